@@ -212,18 +212,24 @@ void Settings::set(const std::string& key, const std::string& text, const std::s
 }
 
 std::string Settings::print() const {
-  std::string out;
-  std::string table;
-  for (const Setting& setting : settings_) {
+  const auto table_of = [](const Setting& setting) {
     const std::size_t dot = setting.key.rfind('.');
-    const std::string in_table = dot == std::string::npos ? "" : setting.key.substr(0, dot);
-    if (in_table != table) {
-      table = in_table;
-      out += fmt::format("\n[{}]\n", table);
+    return dot == std::string::npos ? std::string{} : setting.key.substr(0, dot);
+  };
+  std::vector<std::string> tables{""};  // TOML wants the keys outside any table first
+  for (const Setting& setting : settings_) {
+    const std::string table = table_of(setting);
+    if (std::find(tables.begin(), tables.end(), table) == tables.end()) tables.push_back(table);
+  }
+  std::string out;
+  for (const std::string& table : tables) {
+    if (!table.empty()) out += fmt::format("\n[{}]\n", table);
+    for (const Setting& setting : settings_) {
+      if (table_of(setting) != table) continue;
+      const std::string name = setting.key.substr(table.empty() ? 0 : table.size() + 1);
+      out += fmt::format("{:<44} # {} ({})\n", fmt::format("{} = {}", name, setting.value()),
+                         setting.text, setting.origin);
     }
-    const std::string name = dot == std::string::npos ? setting.key : setting.key.substr(dot + 1);
-    out += fmt::format("{:<44} # {} ({})\n", fmt::format("{} = {}", name, setting.value()),
-                       setting.text, setting.origin);
   }
   return out;
 }

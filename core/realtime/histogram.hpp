@@ -47,7 +47,7 @@ class Histogram {
  private:
   static constexpr unsigned kFraction = 4;  // bits below the leading one
   static constexpr std::size_t kSteps = std::size_t{1} << kFraction;
-  static constexpr std::size_t kBuckets = 30 * kSteps;
+  static constexpr std::size_t kBuckets = 31 * kSteps;
 
   static constexpr std::size_t index_of(std::uint64_t ns) noexcept {
     if (ns < kSteps) return static_cast<std::size_t>(ns);
