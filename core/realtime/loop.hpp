@@ -14,7 +14,8 @@ struct Tick {
   Instant due{};        ///< when this turn should have begun
   Instant now{};        ///< when it began
   Duration elapsed{};   ///< since the previous turn began; the period on the first turn
-  bool overrun = false; ///< the previous turn ran past this one's time
+  bool overrun = false; ///< the previous turn ran past its end
+  std::uint64_t missed = 0;  ///< turns of the schedule that never happened, so far
 
   [[nodiscard]] Duration lateness() const noexcept { return now - due; }
 };
@@ -57,7 +58,8 @@ LoopStatistics run_periodically(Clock& clock, Duration period, Body&& body) noex
             .due = due,
             .now = now,
             .elapsed = now - tick.now,
-            .overrun = overrun};
+            .overrun = overrun,
+            .missed = statistics.missed};
   }
 }
 
