@@ -1,6 +1,9 @@
 #pragma once
 
+#include <optional>
+
 #include "core/math/joint_vector.hpp"
+#include "core/math/spatial.hpp"
 #include "core/model/arm_model.hpp"
 
 namespace teleop {
@@ -33,7 +36,8 @@ struct Dynamics {
                                     const JointVector& qd) noexcept;
 [[nodiscard]] double potential_energy(const ArmModel& arm, const JointVector& q) noexcept;
 
-/// Λ = (J_v M⁻¹ J_vᵀ)⁻¹: the mass that a hand feels at the tool, kg.
-[[nodiscard]] JointMatrix tool_mass(const ArmModel& arm, const JointVector& q) noexcept;
+/// Λ = (J_v M⁻¹ J_vᵀ)⁻¹ in B: the mass that a hand feels at the tool, kg. Absent at a singular
+/// posture (manipulability below 1e-9), where some direction cannot be moved at all.
+[[nodiscard]] std::optional<Matrix3> tool_mass(const ArmModel& arm, const JointVector& q) noexcept;
 
 }  // namespace teleop

@@ -28,21 +28,22 @@ using Jacobian = Eigen::Matrix<double, 6, 3>;  ///< rows v_x v_y v_z ω_x ω_y �
                                            const JointVector& q,
                                            const JointVector& qd) noexcept;
 
-/// σ_min / σ_max of J_v, 1 where all directions are equal [Cavusoglu 2002, fig. 3].
+/// μ = σ_min / σ_max of J_v [Cavusoglu 2002, fig. 3]: 1 where all directions are equal, 0 at a
+/// singular posture (tool on the yaw axis, arm stretched or folded).
 [[nodiscard]] double manipulability(const ArmModel& arm, const JointVector& q) noexcept;
 
 /// Why a position or posture cannot be had. Numbers are stable.
 enum class Reach : std::uint8_t {
   ok = 0,
-  too_far = 1,        ///< beyond l1 + l2 from the shoulder
-  too_near = 2,       ///< nearer than |l1 − l2| to the shoulder
+  too_far = 1,   ///< beyond l1 + l2 from the shoulder
+  too_near = 2,  ///< nearer than |l1 − l2| to the shoulder
   joint1_low = 3,
   joint1_high = 4,
   joint2_low = 5,
   joint2_high = 6,
   joint3_low = 7,
   joint3_high = 8,
-  q2_minus_q3 = 9,    ///< coupled stop of the parallelogram
+  q2_minus_q3 = 9,  ///< coupled stop of the parallelogram
   q3_minus_q2 = 10,
   not_finite = 11,
 };
@@ -51,18 +52,23 @@ enum class Reach : std::uint8_t {
 enum class IkBranch : std::uint8_t { up = 0, down = 1, flip_up = 2, flip_down = 3 };
 
 struct IkResult {
-  JointVector q = JointVector::Zero();  ///< the exact solution even where a joint limit is broken
+  /// ok and joint limits: the exact solution. too_far, too_near: the arm stretched or folded
+  /// towards the position, the nearest it can come. not_finite: zero. Never NaN.
+  JointVector q = JointVector::Zero();
   Reach reach = Reach::ok;
 };
 
-/// Joint angles of a tool position. On the yaw axis (d = 0) q1 is not determined: `previous_q1` is
-/// kept. With IkBranch::up it inverts forward_kinematics exactly where |q3 − q2| < π/2, ρ > 0.
+/// Joint angles of a tool position. IkBranch::up inverts forward_kinematics where |q3 − q2| < π/2
+/// and ρ > 0; q1 and q2 lie in [−π, π] and q3 within π of q2, as the coupled stops want it. Closer
+/// to the yaw axis than 1e-9 (l1 + l2) q1 is not determined: `previous_q1` is kept, so a hand that
+/// rests on the axis does not spin the base. A shoulder distance that misses its bound by less than
+/// that is taken for the bound.
 [[nodiscard]] IkResult inverse_kinematics(const ArmModel& arm,
                                           const Vector3& p_BT,
                                           IkBranch branch = IkBranch::up,
                                           double previous_q1 = 0.0) noexcept;
 
-/// The first joint or coupled limit that a posture breaks.
+/// The first joint or coupled limit that a posture breaks; a posture at its limit breaks none.
 [[nodiscard]] Reach check_limits(const ArmModel& arm, const JointVector& q) noexcept;
 
 }  // namespace teleop
