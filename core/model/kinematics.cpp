@@ -110,13 +110,14 @@ Matrix3 linear_jacobian_rate(const ArmModel& arm,
 
 double manipulability(const ArmModel& arm, const JointVector& q) noexcept {
   // In the tool frame J_v is |ρ| beside a triangle ((a, 0), (b, c)), whose singular values have the
-  // sum hypot(a + c, b) and the product |a c|.
+  // sum √((|a| + |c|)² + b²) and the product |a c|.
   const double a = arm.parameters().l1_m * std::cos(q[1] - q[2]);
   const double b = arm.parameters().l1_m * std::sin(q[1] - q[2]);
   const double c = arm.parameters().l2_m;
   const double rho =
       std::abs(arm.parameters().l1_m * std::cos(q[1]) + arm.parameters().l2_m * std::sin(q[2]));
-  const double larger = (std::hypot(a + c, b) + std::hypot(a - c, b)) / 2.0;
+  const double larger =
+      (std::sqrt((a + c) * (a + c) + b * b) + std::sqrt((a - c) * (a - c) + b * b)) / 2.0;
   const double smaller = std::abs(a * c) / larger;
   return std::min(rho, smaller) / std::max(rho, larger);
 }
@@ -153,9 +154,10 @@ IkResult inverse_kinematics(const ArmModel& arm,
   const bool up = branch == IkBranch::up || branch == IkBranch::flip_up;
 
   // Shoulder to tool: distance d from the yaw axis, height, length r, elevation.
-  const double d = std::hypot(p_BT.x(), p_BT.z() + l1);
+  const double forward = p_BT.z() + l1;
   const double height = p_BT.y() - l2;
-  const double distance = std::hypot(d, height);
+  const double d = std::sqrt(p_BT.x() * p_BT.x() + forward * forward);
+  const double distance = std::sqrt(d * d + height * height);
   const double r = std::clamp(distance, nearest, farthest);
   const double elevation = std::atan2(height, flip ? -d : d);
 
@@ -167,7 +169,7 @@ IkResult inverse_kinematics(const ArmModel& arm,
   const double beta = std::atan2(2.0 * u * v, 4.0 * l1 * l1 + (u - v) * (u + v));
 
   IkResult result;
-  const double yaw = std::atan2(p_BT.x(), p_BT.z() + l1);
+  const double yaw = std::atan2(p_BT.x(), forward);
   const bool on_axis = d < kNegligible * farthest;
   result.q[0] = on_axis ? previous_q1 : flip ? wrapped(yaw + pi) : yaw;
   result.q[1] = wrapped(up ? elevation + beta : elevation - beta);
