@@ -13,7 +13,7 @@
 namespace teleop {
 namespace fs = std::filesystem;
 
-void run_export(const fs::path& log, const fs::path& csv) {
+int run_export(const fs::path& log, const fs::path& csv) {
   if (fs::exists(csv)) {
     throw RecordingError{
         fmt::format("{}: exists already and is not overwritten: name another file", csv.string())};
@@ -27,15 +27,17 @@ void run_export(const fs::path& log, const fs::path& csv) {
 
   fmt::print(stderr, "{}: {} records to {}\n", log.string(), read.ticks.size(), csv.string());
   if (!read.complete) fmt::print(stderr, "{}: damaged: {}\n", log.string(), read.damage);
+  return 0;
 }
 
-void run_recover(const fs::path& log, fs::path out) {
+int run_recover(const fs::path& log, fs::path out) {
   if (out.empty()) out = recovered_name(log);
   const Recovery recovery = recover_log(log, out);
   fmt::print(stderr, "{}: {} records kept, {} lost between them, {} bytes of a torn end: {}\n",
              log.string(), recovery.kept, recovery.lost, recovery.unread_bytes, out.string());
   fmt::print(stderr, "{}: {}\n", log.string(),
              recovery.damage.empty() ? "was whole" : recovery.damage);
+  return 0;
 }
 
 }  // namespace teleop

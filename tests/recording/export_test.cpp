@@ -96,7 +96,7 @@ std::vector<TickRecord> write_cut_off_log(const std::filesystem::path& path) {
 
 TEST(Recover, ClosesALogThatWasCutOff) {
   const TemporaryFolder folder;
-  const auto in = folder / "log.mcap";
+  const auto in = folder.path() / "log.mcap";
   const auto out = recovered_name(in);
   const auto ticks = write_cut_off_log(in);
   Bytes torn = testing::bytes_of_file(in);
@@ -122,22 +122,22 @@ TEST(Recover, ClosesALogThatWasCutOff) {
 
 TEST(Recover, CountsTheRecordsOfADamagedChunk) {
   const TemporaryFolder folder;
-  const auto in = folder / "log.mcap";
+  const auto in = folder.path() / "log.mcap";
   write_cut_off_log(in);
   Bytes bytes = testing::bytes_of_file(in);
   bytes[bytes.size() / 2] ^= std::byte{1};
   testing::write_file(in, bytes);
 
-  const Recovery recovery = recover_log(in, folder / "out.mcap");
+  const Recovery recovery = recover_log(in, folder.path() / "out.mcap");
 
   EXPECT_EQ(recovery.kept, 400U);
   EXPECT_EQ(recovery.lost, 100U);
-  EXPECT_EQ(read_log(folder / "out.mcap").ticks.size(), 400U);
+  EXPECT_EQ(read_log(folder.path() / "out.mcap").ticks.size(), 400U);
 }
 
 TEST(Recover, WritesOverNothing) {
   const TemporaryFolder folder;
-  const auto in = folder / "log.mcap";
+  const auto in = folder.path() / "log.mcap";
   write_cut_off_log(in);
   const Bytes before = testing::bytes_of_file(in);
 
@@ -147,13 +147,13 @@ TEST(Recover, WritesOverNothing) {
 
 TEST(Recover, CreatesNothingWhenNothingIsReadable) {
   const TemporaryFolder folder;
-  const auto in = folder / "log.mcap";
+  const auto in = folder.path() / "log.mcap";
   {
     const LogWriter writer{{.file = in}};
   }
 
-  EXPECT_THROW(recover_log(in, folder / "out.mcap"), RecordingError);
-  EXPECT_FALSE(std::filesystem::exists(folder / "out.mcap"));
+  EXPECT_THROW(recover_log(in, folder.path() / "out.mcap"), RecordingError);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "out.mcap"));
 }
 
 }  // namespace

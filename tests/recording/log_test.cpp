@@ -43,8 +43,9 @@ struct SmallLog {
 
   explicit SmallLog(std::size_t size = 10) : ticks{any_ticks(5, size, 30)} {
     const TemporaryFolder folder;
-    testing::write_log({.file = folder / "small.mcap", .metadata = {{"arm", "none"}}}, ticks);
-    bytes = testing::bytes_of_file(folder / "small.mcap");
+    testing::write_log({.file = folder.path() / "small.mcap", .metadata = {{"arm", "none"}}},
+                       ticks);
+    bytes = testing::bytes_of_file(folder.path() / "small.mcap");
     records = records_of(bytes);
   }
 
@@ -73,13 +74,13 @@ std::string message_of(const std::filesystem::path& file) {
 TEST(Log, GivesBackEveryTickAndTheMetadata) {
   const TemporaryFolder folder;
   const auto ticks = any_ticks(6, 1000);
-  testing::write_log({.file = folder / "log.mcap",
+  testing::write_log({.file = folder.path() / "log.mcap",
                       .role = Role::slave,
                       .metadata = {{"arm", "phantom-1.5"}, {"empty", ""}},
                       .epoch_offset_ns = 1'700'000'000'000'000'000},
                      ticks);
 
-  const Log log = read_log(folder / "log.mcap");
+  const Log log = read_log(folder.path() / "log.mcap");
 
   EXPECT_TRUE(log.complete) << log.damage;
   EXPECT_EQ(log.ticks.size(), ticks.size());
@@ -176,9 +177,9 @@ TEST(Log, DoesNotUnpackAChunkThatClaimsToBeHuge) {
 
 TEST(Log, NamesTheFileThatCannotBeRead) {
   const TemporaryFolder folder;
-  const auto missing = folder / "missing.mcap";
-  const auto foreign = folder / "foreign.mcap";
-  const auto empty = folder / "empty.mcap";
+  const auto missing = folder.path() / "missing.mcap";
+  const auto foreign = folder.path() / "foreign.mcap";
+  const auto empty = folder.path() / "empty.mcap";
   testing::write_file(foreign, bytes_of("not a recording at all"));
   testing::write_log({.file = empty}, {});
 
@@ -189,7 +190,7 @@ TEST(Log, NamesTheFileThatCannotBeRead) {
 
 TEST(Log, IsNeverWrittenOverAnExistingFile) {
   const TemporaryFolder folder;
-  const auto path = folder / "log.mcap";
+  const auto path = folder.path() / "log.mcap";
   testing::write_file(path, bytes_of("precious"));
 
   EXPECT_THROW((LogWriter{{.file = path}}), RecordingError);
@@ -198,7 +199,7 @@ TEST(Log, IsNeverWrittenOverAnExistingFile) {
 
 TEST(Log, SaysWhereItCannotBeCreated) {
   const TemporaryFolder folder;
-  const auto path = folder / "no-such-folder/log.mcap";
+  const auto path = folder.path() / "no-such-folder/log.mcap";
   try {
     const LogWriter writer{{.file = path}};
     FAIL() << "created " << path;

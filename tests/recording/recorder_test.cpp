@@ -27,7 +27,7 @@ TEST(Recorder, WritesEveryRecordInOrder) {
   const TemporaryFolder folder;
   const auto ticks = any_ticks(1, 20'000);
   {
-    Recorder recorder{{.log = {.file = folder / "log.mcap"}, .ring_records = 1024}};
+    Recorder recorder{{.log = {.file = folder.path() / "log.mcap"}, .ring_records = 1024}};
     for (const TickRecord& tick : ticks) {
       while (!recorder.record(tick)) {
         std::this_thread::yield();
@@ -37,7 +37,7 @@ TEST(Recorder, WritesEveryRecordInOrder) {
     EXPECT_FALSE(recorder.failed());
   }
 
-  const Log log = read_log(folder / "log.mcap");
+  const Log log = read_log(folder.path() / "log.mcap");
 
   EXPECT_TRUE(log.complete) << log.damage;
   EXPECT_EQ(log.ticks.size(), ticks.size());
@@ -48,14 +48,14 @@ TEST(Recorder, WritesEveryRecordInOrder) {
 TEST(Recorder, CountsWhatAFullRingDropped) {
   const TemporaryFolder folder;
   constexpr std::uint64_t kTicks = 50'000;
-  Recorder recorder{{.log = {.file = folder / "log.mcap"}, .ring_records = 16}};
+  Recorder recorder{{.log = {.file = folder.path() / "log.mcap"}, .ring_records = 16}};
   std::uint64_t kept = 0;
   for (std::uint64_t i = 0; i < kTicks; ++i) {
     if (recorder.record(plain_tick(i))) ++kept;
   }
   recorder.close();
 
-  const Log log = read_log(folder / "log.mcap");
+  const Log log = read_log(folder.path() / "log.mcap");
 
   EXPECT_LT(kept, kTicks);
   EXPECT_EQ(log.ticks.size(), kept);
@@ -66,7 +66,7 @@ TEST(Recorder, CountsWhatAFullRingDropped) {
 TEST(Recorder, RecordsWithoutAllocating) {
   if (!testing::NoAllocation::is_armed()) GTEST_SKIP() << "a sanitizer owns malloc";
   const TemporaryFolder folder;
-  Recorder recorder{{.log = {.file = folder / "log.mcap"}, .ring_records = 64}};
+  Recorder recorder{{.log = {.file = folder.path() / "log.mcap"}, .ring_records = 64}};
   const TickRecord tick = plain_tick(1);
 
   const testing::NoAllocation guard;
@@ -79,24 +79,24 @@ TEST(Recorder, RecordsWithoutAllocating) {
 
 TEST(Recorder, ClosesOnceAndRecordsNothingAfterwards) {
   const TemporaryFolder folder;
-  Recorder recorder{{.log = {.file = folder / "log.mcap"}}};
+  Recorder recorder{{.log = {.file = folder.path() / "log.mcap"}}};
   EXPECT_TRUE(recorder.record(plain_tick(0)));
   recorder.close();
-  const auto size = std::filesystem::file_size(folder / "log.mcap");
+  const auto size = std::filesystem::file_size(folder.path() / "log.mcap");
 
   EXPECT_FALSE(recorder.record(plain_tick(1)));
   recorder.close();
 
-  EXPECT_EQ(std::filesystem::file_size(folder / "log.mcap"), size);
+  EXPECT_EQ(std::filesystem::file_size(folder.path() / "log.mcap"), size);
 }
 
 TEST(Recorder, StampsMessagesWithUnixTime) {
   const TemporaryFolder folder;
-  Recorder recorder{{.log = {.file = folder / "log.mcap"}}};
+  Recorder recorder{{.log = {.file = folder.path() / "log.mcap"}}};
   EXPECT_TRUE(recorder.record(plain_tick(0)));
   recorder.close();
 
-  const Log log = read_log(folder / "log.mcap");
+  const Log log = read_log(folder.path() / "log.mcap");
 
   const auto offset = std::stoll(log.metadata.at("epoch_offset_ns"));
   EXPECT_NEAR(static_cast<double>(offset - wall_clock_offset_ns()), 0.0, 5e9);
@@ -122,7 +122,7 @@ class FileSizeLimit {
 
 TEST(Recorder, EndsTheRecordingAndNotTheLoopWhenTheDiskIsFull) {
   const TemporaryFolder folder;
-  const auto path = folder / "log.mcap";
+  const auto path = folder.path() / "log.mcap";
   const auto ticks = any_ticks(2, 3000);
   Recorder recorder{{.log = {.file = path}}};
   {
@@ -172,7 +172,7 @@ pid_t spawn_child(const std::filesystem::path& log, int standard_output) {
 
 TEST(Recorder, LosesAtMostTheLast100MsWhenItsProcessIsKilled) {
   const TemporaryFolder folder;
-  const auto path = folder / "log.mcap";
+  const auto path = folder.path() / "log.mcap";
   std::array<int, 2> pipe_ends{};
   ASSERT_EQ(pipe(pipe_ends.data()), 0);
   const pid_t child = spawn_child(path, pipe_ends[1]);

@@ -15,6 +15,7 @@
 
 #include "core/math/random.hpp"
 #include "core/recording/log_writer.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace teleop::testing {
 
@@ -23,30 +24,6 @@ inline int cases(int usual) {
   const char* text = std::getenv("TELEOP_CASES");  // NOLINT(concurrency-mt-unsafe)
   return text != nullptr ? std::atoi(text) : usual;
 }
-
-/// A folder that lives as long as this.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "teleop-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) std::abort();
-    path_ = name;
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  TemporaryFolder(TemporaryFolder&&) = delete;
-  TemporaryFolder& operator=(TemporaryFolder&&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  [[nodiscard]] std::filesystem::path operator/(const std::string& name) const {
-    return path_ / name;
-  }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// Fills every field with numbers of every size, the ends of the type and zero among them.
 class AnyValue {
