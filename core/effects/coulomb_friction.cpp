@@ -1,0 +1,36 @@
+#include "core/effects/coulomb_friction.hpp"
+
+#include <array>
+
+namespace teleop {
+namespace {
+
+constexpr std::array kParameters{
+    EffectParameter{.name = "level",
+                    .unit = "N m",
+                    .text = "torque that opposes motion",
+                    .range = kNotNegative},
+    EffectParameter{.name = "asymmetry",
+                    .unit = "1",
+                    .text = "share by which positive motion is braked more",
+                    .range = {.low = -1.0, .high = 1.0},
+                    .standard = 0.0},
+};
+
+void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
+  const double level = values[0];
+  const double asymmetry = values[1];
+  terms.friction.at(axis).dry_forward += level * (1.0 + asymmetry);
+  terms.friction.at(axis).dry_backward += level * (1.0 - asymmetry);
+}
+
+}  // namespace
+
+const EffectKind kCoulombFriction{
+    .name = "coulomb_friction",
+    .law = "f = -level (1 + asymmetry sgn(q')) sgn(q'), sticking in between at rest",
+    .parameters = kParameters,
+    .plug = plug,
+};
+
+}  // namespace teleop

@@ -1,0 +1,36 @@
+#include "core/effects/viscous_friction.hpp"
+
+#include <array>
+
+namespace teleop {
+namespace {
+
+constexpr std::array kParameters{
+    EffectParameter{.name = "coefficient",
+                    .unit = "N m s/rad",
+                    .text = "torque per joint speed",
+                    .range = kNotNegative},
+    EffectParameter{.name = "asymmetry",
+                    .unit = "1",
+                    .text = "share by which positive motion is braked more",
+                    .range = {.low = -1.0, .high = 1.0},
+                    .standard = 0.0},
+};
+
+void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
+  const double coefficient = values[0];
+  const double asymmetry = values[1];
+  terms.friction.at(axis).viscous_forward += coefficient * (1.0 + asymmetry);
+  terms.friction.at(axis).viscous_backward += coefficient * (1.0 - asymmetry);
+}
+
+}  // namespace
+
+const EffectKind kViscousFriction{
+    .name = "viscous_friction",
+    .law = "f = -coefficient (1 + asymmetry sgn(q')) q'",
+    .parameters = kParameters,
+    .plug = plug,
+};
+
+}  // namespace teleop
