@@ -68,13 +68,10 @@ void summarise(WorkspaceMap& map) {
       ++map.counts.at(static_cast<std::size_t>(cell.reach));
       if (cell.reach != Reach::ok) continue;
       const Vector3 p = map.position(row, column);
-      if (mu.empty()) map.lowest_m = map.highest_m = map.best_m = p;
+      if (mu.empty()) map.lowest_m = map.highest_m = p;
       map.lowest_m = map.lowest_m.cwiseMin(p);
       map.highest_m = map.highest_m.cwiseMax(p);
       mu.push_back(cell.mu);
-      if (cell.mu <= map.mu_max) continue;
-      map.mu_max = cell.mu;
-      map.best_m = p;
     }
   }
   if (mu.empty()) return;
@@ -83,6 +80,7 @@ void summarise(WorkspaceMap& map) {
     return mu[static_cast<std::size_t>(std::lround(share * static_cast<double>(mu.size() - 1)))];
   };
   map.mu_min = mu.front();
+  map.mu_max = mu.back();
   map.mu_quantiles = {at(0.05), at(0.25), at(0.5), at(0.75), at(0.95)};
   const auto half = std::lower_bound(mu.begin(), mu.end(), 0.5);
   map.share_half = static_cast<double>(mu.end() - half) / static_cast<double>(mu.size());

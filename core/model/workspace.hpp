@@ -36,7 +36,6 @@ struct WorkspaceMap {
   double mu_max = 0.0;
   std::array<double, 5> mu_quantiles{};  ///< 5, 25, 50, 75 and 95 %
   double share_half = 0.0;               ///< of the area that has μ ≥ 0.5
-  Vector3 best_m = Vector3::Zero();      ///< where μ is largest
 
   [[nodiscard]] Vector3 position(std::size_t row, std::size_t column) const noexcept {
     return {0.0, y_first_m + static_cast<double>(row) * step_m,
