@@ -22,8 +22,9 @@ constexpr std::uint32_t kLastFault = 99;
 
 template <class Integer>
 void store(std::span<std::byte> out, Integer value) noexcept {
+  const std::uint64_t bits = value;
   for (std::size_t i = 0; i < sizeof value; ++i) {
-    out[i] = static_cast<std::byte>((value >> (8U * i)) & 0xFFU);
+    out[i] = static_cast<std::byte>((bits >> (8U * i)) & 0xFFU);
   }
 }
 

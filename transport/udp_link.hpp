@@ -27,7 +27,7 @@ class UdpLink final : public Link {
  public:
   struct Config {
     std::string bind = "127.0.0.1:0";   ///< port 0: the system picks one
-    std::string peer;                   ///< empty: whoever speaks first
+    std::string peer{};                 ///< empty: whoever speaks first
     bool own_thread = true;             ///< false: the caller receives in wait()
     Realtime realtime{.priority = 85};  ///< of the receiving thread: above the loop, so that
                                         ///< arrivals are stamped on time

@@ -10,12 +10,14 @@
 
 #include "core/math/random.hpp"
 #include "tests/support/no_allocation.hpp"
+#include "tests/transport/reseal.hpp"
 #include "transport/crc32c.hpp"
 
 namespace teleop {
 namespace {
 
 using std::chrono::nanoseconds;
+using testing::reseal;
 
 std::size_t cases(std::size_t usual) {
   const char* text = std::getenv("TELEOP_CASES");  // NOLINT(concurrency-mt-unsafe): one thread
@@ -65,15 +67,6 @@ void expect_equal(const Datagram& a, const Datagram& b) {
   EXPECT_EQ(a.state.mode, b.state.mode);
   EXPECT_EQ(a.state.fault, b.state.fault);
   EXPECT_EQ(a.state.clutch, b.state.clutch);
-}
-
-/// Makes a changed packet whole again, so that what is behind the checksum is tested.
-void reseal(Packet& packet) {
-  const std::size_t end = kPacketSize - kChecksumSize;
-  const std::uint32_t crc = crc32c(std::span{packet}.first(end));
-  for (std::size_t i = 0; i < kChecksumSize; ++i) {
-    packet.at(end + i) = static_cast<std::byte>((crc >> (8U * i)) & 0xFFU);
-  }
 }
 
 Packet any_packet() {
