@@ -34,7 +34,7 @@ Lateness run_ours(double length_s) {
   const auto arm = open_device("sim", {.clock = clock});
   const ArmModel model = load_arm(arm->info().model);
   SilentLink link;
-  Station station{StationConfig{}, Role::master, model, *arm, link, clock};
+  Station station{StationConfig{}, Role::master, model, {*arm, link, clock}};
   auto histogram = std::make_unique<std::vector<float>>();
   histogram->reserve(static_cast<std::size_t>(length_s * 1100.0));
   std::vector<std::string> refused;

@@ -147,17 +147,19 @@ int run_loopback(const LoopbackOptions& options) {
   slave->ask_to_end();
   const int slave_code = slave->end(kEnd_ms);
 
-  const std::vector<Log> logs{read_log(out / "master.mcap"), read_log(out / "slave.mcap")};
+  std::vector<fs::path> files{out / "master.mcap", out / "slave.mcap"};
+  const std::vector<Log> logs{read_log(files[0]), read_log(files[1])};
   const PairMetrics metrics = measure(logs);
   json summary = to_json(metrics);
-  summary["recordings"] = {(out / "master.mcap").string(), (out / "slave.mcap").string()};
+  summary["recordings"] = {files[0].string(), files[1].string()};
   summary["report"] = nullptr;
   if (options.report) {
-    write_report(out / "report.html", logs, metrics);
-    summary["report"] = (out / "report.html").string();
+    files.push_back(out / "report.html");
+    write_report(files.back(), logs, metrics);
+    summary["report"] = files.back().string();
   }
   if (!options.json.empty()) write_json(options.json, summary);
-  print_summary(metrics, summary);
+  std::fputs(summary_text(metrics, files).c_str(), stdout);
   return master_code != 0 ? master_code : slave_code;
 }
 

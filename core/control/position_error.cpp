@@ -57,16 +57,16 @@ PositionError::Coupling PositionError::step(const Motion& own, const Motion& pee
   const bool is_master = role_ == Role::master;
   const Motion& m = is_master ? own : peer;
   const Motion& s = is_master ? peer : own;
-  const double scale = config_.scale;
+  const Motion wanted = wanted_slave(m);
 
-  const Vector3 e = scale * (R_sm_ * m.displacement) - s.displacement;
-  const Vector3 ed = scale * (R_sm_ * m.velocity) - s.velocity;
+  const Vector3 e = wanted.displacement - s.displacement;
+  const Vector3 ed = wanted.velocity - s.velocity;
   if (!is_master) {
     const Vector3 F_s = config_.stiffness_slave_N_per_m * e + config_.damping_slave_Ns_per_m * ed;
     return {.force = F_s, .error = e, .error_rate = ed};
   }
   const Vector3 pull = config_.stiffness_master_N_per_m * e + config_.damping_master_Ns_per_m * ed;
-  const Vector3 F_m = -config_.force_gain / scale * (R_sm_.transpose() * pull);
+  const Vector3 F_m = -config_.force_gain / config_.scale * (R_sm_.transpose() * pull);
   return {.force = F_m, .error = e, .error_rate = ed};
 }
 

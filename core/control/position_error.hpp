@@ -56,6 +56,12 @@ class PositionError {
   /// The own side's force. The law has no memory.
   [[nodiscard]] Coupling step(const Motion& own, const Motion& peer) const noexcept;
 
+  /// Where the law wants the slave, since its reference: s R times the master's motion.
+  [[nodiscard]] Motion wanted_slave(const Motion& master) const noexcept {
+    return {.displacement = config_.scale * (R_sm_ * master.displacement),
+            .velocity = config_.scale * (R_sm_ * master.velocity)};
+  }
+
   [[nodiscard]] Role role() const noexcept { return role_; }
   [[nodiscard]] const Config& config() const noexcept { return config_; }
 

@@ -51,6 +51,7 @@ struct ArmInfo {
   JointVector counts_per_rev = JointVector::Zero();         ///< of the joint
   JointVector max_torque = JointVector::Zero();             ///< that the motors can give, N m
   std::string details;                                      ///< plant, seed, firmware …
+  bool simulated = false;                                   ///< computes what a real arm does by itself
 };
 
 /// The port that every arm fits: a driver, a simulation, a replayed tape. It speaks joints, so that

@@ -42,7 +42,8 @@ class Side {
                                          .seed = config.seed})},
         model_{load_arm(arm_->info().model)},
         opened_{plug.open()},
-        station_{config.station, role, model_, *arm_, *opened_.link, clock_} {
+        station_{config.station, role, model_, {*arm_, *opened_.link, clock_}} {
+    refused_.insert(refused_.end(), opened_.refused.begin(), opened_.refused.end());
     for (const std::string& line : station_.notices()) spdlog::warn("{}", line);
     if (!config.out.empty()) open_recording(settings);
   }
@@ -99,7 +100,7 @@ class Side {
         {"config", settings.print()},
     };
     for (const auto& [key, value] : station_.metadata()) metadata.emplace(key, value);
-    recorder_.emplace(Recorder::Config{.file = file}, metadata);
+    recorder_.emplace(Recorder::Config{.log = {.file = file, .metadata = metadata}});
   }
 
   void close_recording() {
@@ -141,7 +142,9 @@ class Side {
       const bool stop = stop_.load(std::memory_order_relaxed) || tick.now >= end;
       return stop ? Next::stop : Next::again;
     });
-    station_.stop();
+    status.record = station_.stop();
+    if (recorder_) (void)recorder_->record(status.record);
+    status_box_.put(status);
     done_.store(true, std::memory_order_release);
   }
 
