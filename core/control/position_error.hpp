@@ -62,6 +62,7 @@ class PositionError {
             .velocity = config_.scale * (R_sm_ * master.velocity)};
   }
 
+  [[nodiscard]] const Matrix3& rotation() const noexcept { return R_sm_; }  ///< R
   [[nodiscard]] Role role() const noexcept { return role_; }
   [[nodiscard]] const Config& config() const noexcept { return config_; }
 

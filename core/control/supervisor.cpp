@@ -16,8 +16,11 @@ bool couples(Mode mode) noexcept { return mode == Mode::engaging || mode == Mode
 
 }  // namespace
 
-Supervisor::Supervisor(const Config& config, const PositionError& law)
-    : config_{config}, law_{law} {
+Supervisor::Supervisor(const Config& config, const PositionError& law, std::uint64_t session)
+    : config_{config},
+      law_{law},
+      first_epoch_{static_cast<std::uint32_t>(1 + 1000 * (session % 4'000'000))} {
+  owe_epoch();
   if (!is_positive(config.engage_ms) || !is_positive(config.release_ms) ||
       !is_positive(config.link_timeout_ms) || !is_positive(config.resync_limit_mm)) {
     throw ConfigError{"supervisor: every time and limit must be more than 0 and finite"};
@@ -75,20 +78,16 @@ void Supervisor::hear_requests(const Input& input) noexcept {
   state_.clutch = input.clutch;
 }
 
-/// Epochs of a program that restarted mean nothing any more, even where the numbers agree.
+/// A slave that restarted stands somewhere else, whatever epoch it says.
 void Supervisor::hear_session(const Input& input) noexcept {
   if (!input.peer || input.peer->session == state_.peer_session) return;
   state_.peer_session = input.peer->session;
-  if (law_.role() == Role::master) {
-    state_.resync = true;
-  } else {
-    state_.epoch = 0;
-  }
+  owe_epoch();
 }
 
 void Supervisor::agree_on_epoch(const Input& input, const PeerState* peer) noexcept {
   const bool clutched = input.clutch || (peer != nullptr && peer->clutch);
-  if (clutched) state_.resync = true;
+  if (clutched) owe_epoch();
   if (peer == nullptr || !state_.enabled) return;
   if (!clutched && state_.ramp == 0.0) renew_reference(input.p_BT, *peer);
   if (agrees(peer)) state_.peer = *peer;
@@ -99,8 +98,8 @@ void Supervisor::renew_reference(const Vector3& p_BT, const PeerState& peer) noe
     if (peer.epoch != 0 && peer.epoch != state_.epoch) take_reference(p_BT, peer.epoch);
     return;
   }
-  if (agrees(&peer) && too_far_apart(p_BT, peer)) state_.resync = true;
-  if (state_.resync) take_reference(p_BT, std::max(state_.epoch, peer.epoch) + 1);
+  if (agrees(&peer) && too_far_apart(p_BT, peer)) owe_epoch();
+  if (state_.resync) take_reference(p_BT, state_.epoch == 0 ? first_epoch_ : state_.epoch + 1);
 }
 
 void Supervisor::take_reference(const Vector3& p_BT, std::uint32_t epoch) noexcept {
@@ -119,14 +118,13 @@ bool Supervisor::too_far_apart(const Vector3& p_BT, const PeerState& peer) const
 
 bool Supervisor::agrees(const PeerState* peer) const noexcept {
   const std::uint32_t own = published_epoch();
-  return peer != nullptr && own != 0 && peer->epoch == own;
+  return peer != nullptr && own != 0 && peer->epoch == own && !state_.resync;
 }
 
 /// Mode and ramp from what the peer says. A side at ramp 0 waits in `engaging` for its peer; once
 /// its ramp has left 0, a peer that does not couple means that this side lets go too.
 void Supervisor::advance(const PeerState* peer, double dt) noexcept {
-  const bool owes_epoch = law_.role() == Role::master && state_.resync;
-  const bool ready = agrees(peer) && !owes_epoch && !state_.clutch && !peer->clutch;
+  const bool ready = agrees(peer) && !state_.clutch && !peer->clutch;
   const bool coupled = ready && couples(peer->mode);
   const bool waits = ready && state_.ramp == 0.0;
   if (waits) apply(Event::peer_ready);

@@ -84,11 +84,11 @@ class Supervisor {
     Mode mode = Mode::idle;
     bool enabled = false;
     bool clutch = false;                  ///< the own operator held it in the last step
-    bool resync = true;                   ///< the master owes a new epoch
+    bool resync = false;                  ///< this side is the master and owes a new epoch
     double ramp = 0.0;                    ///< share of the coupling that is on
     std::uint32_t epoch = 0;              ///< of the own reference, 0 none
     Vector3 reference = Vector3::Zero();  ///< x_0 in the own base, m
-    std::uint64_t peer_session = 0;       ///< 0: no peer seen yet
+    std::uint64_t peer_session = 0;       ///< of the newest sample, 0: no peer seen yet
     PeerState peer{};                     ///< newest of the own epoch
     Fault fault = Fault::none;            ///< why `faulted`
   };
@@ -96,11 +96,11 @@ class Supervisor {
   /// What one turn of the loop knows.
   struct Input {
     Instant now{};
-    Vector3 p_BT = Vector3::Zero();  ///< own tool, m
+    Vector3 p_BT = Vector3::Zero();    ///< own tool, m
     std::optional<PeerSample> peer{};  ///< newest so far, also when it came in an earlier turn
-    bool clutch = false;             ///< the own operator holds it
-    Fault fault = Fault::none;       ///< the device's or a computation's
-    bool enable = false;             ///< requests of this turn
+    bool clutch = false;               ///< the own operator holds it
+    Fault fault = Fault::none;         ///< the device's or a computation's
+    bool enable = false;               ///< requests of this turn
     bool disable = false;
     bool reset = false;
   };
@@ -119,8 +119,11 @@ class Supervisor {
     Limits limits{};            ///< peer_silent
   };
 
+  /// `session` tells this run of the program from others, as in its packets: a master counts its
+  /// epochs from 1 + 1000 (session mod 4 million), so that a peer that has not yet noticed a
+  /// restart does not seem to agree.
   /// @throws ConfigError unless every number is positive and finite.
-  Supervisor(const Config& config, const PositionError& law);
+  Supervisor(const Config& config, const PositionError& law, std::uint64_t session);
 
   /// One turn, `dt` seconds after the one before.
   Output step(const Input& input, double dt) noexcept;
@@ -130,6 +133,7 @@ class Supervisor {
  private:
   void apply(Event event) noexcept { state_.mode = next_mode(state_.mode, event); }
   void hear_requests(const Input& input) noexcept;
+  void owe_epoch() noexcept { state_.resync = law_.role() == Role::master; }
   void hear_session(const Input& input) noexcept;
   void agree_on_epoch(const Input& input, const PeerState* peer) noexcept;
   void renew_reference(const Vector3& p_BT, const PeerState& peer) noexcept;
@@ -143,6 +147,7 @@ class Supervisor {
 
   Config config_;
   PositionError law_;
+  std::uint32_t first_epoch_;
   State state_{};
 };
 

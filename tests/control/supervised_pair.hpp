@@ -11,13 +11,14 @@ namespace teleop::testing {
 /// One side as the supervisor sees it: a tool that a test moves, and the requests of the next turn.
 struct SupervisedSide {
   explicit SupervisedSide(Role side, const Supervisor::Config& times = {})
-      : role{side}, config{times}, supervisor{times, PositionError{{}, side}} {}
+      : role{side}, config{times}, supervisor{times, PositionError{{}, side}, session} {}
 
   /// A new process in the place of the old one.
   void restart() {
     ++session;
-    supervisor = Supervisor{config, PositionError{{}, role}};
+    supervisor = Supervisor{config, PositionError{{}, role}, session};
     newest.reset();
+    latched_in = 0;
     out = {};
   }
 
@@ -30,12 +31,16 @@ struct SupervisedSide {
                             .enable = enable,
                             .disable = disable,
                             .reset = reset};
+    const std::uint32_t epoch_before = supervisor.state().epoch;
     out = supervisor.step(input, dt);
+    const Supervisor::State& state = supervisor.state();
+    if (state.epoch != epoch_before && state.epoch != 0) latched_in = state.peer_session;
     enable = disable = reset = false;
   }
 
   [[nodiscard]] PeerSample packet() const {
     PeerSample sample;
+    sample.state.tick = latched_in;
     sample.state.p_BT = p;
     sample.state.reference = out.reference;
     sample.state.epoch = out.epoch;
@@ -48,10 +53,12 @@ struct SupervisedSide {
 
   Role role;
   Supervisor::Config config;
+  std::uint64_t session = 1;
   Supervisor supervisor;
   Supervisor::Output out{};
   std::optional<PeerSample> newest{};
-  std::uint64_t session = 1;
+  std::uint64_t latched_in = 0;  ///< the peer's session when the own reference was taken; travels
+                                 ///< as the tick, which the supervisor does not look at
   Vector3 p = Vector3::Zero();
   bool clutch = false;
   Fault fault = Fault::none;
@@ -62,8 +69,11 @@ struct SupervisedSide {
 
 /// Both sides in step at 1 kHz; a packet arrives before the receiver's next turn.
 struct SupervisedPair {
-  [[nodiscard]] static SupervisedPair engaged() {
-    SupervisedPair pair;
+  explicit SupervisedPair(const Supervisor::Config& times = {})
+      : master{Role::master, times}, slave{Role::slave, times} {}
+
+  [[nodiscard]] static SupervisedPair engaged(const Supervisor::Config& times = {}) {
+    SupervisedPair pair{times};
     pair.enable_both();
     pair.run(400);
     return pair;
@@ -87,8 +97,8 @@ struct SupervisedPair {
     to.newest->received = now;
   }
 
-  SupervisedSide master{Role::master};
-  SupervisedSide slave{Role::slave};
+  SupervisedSide master;
+  SupervisedSide slave;
   Instant now{};
   bool connected = true;
 };

@@ -111,7 +111,6 @@ TEST(Supervisor, KeepsTheAmplifiersOffUntilEnabled) {
   pair.run(50);
   EXPECT_FALSE(pair.master.out.amplifiers);
   EXPECT_EQ(pair.master.out.mode, Mode::idle);
-  EXPECT_EQ(pair.master.out.epoch, 0U) << "who takes no part publishes no epoch";
 }
 
 TEST(Supervisor, WaitsInIdleWithAmplifiersOnForAPeerThatIsNotEnabled) {
@@ -130,8 +129,8 @@ TEST(Supervisor, BothSidesEngageWithinTheRampAndAHandshake) {
   EXPECT_EQ(pair.master.out.mode, Mode::engaged);
   EXPECT_EQ(pair.slave.out.mode, Mode::engaged);
   EXPECT_EQ(pair.master.out.ramp, 1.0);
-  EXPECT_EQ(pair.master.out.epoch, 1U);
-  EXPECT_EQ(pair.slave.out.epoch, 1U);
+  EXPECT_EQ(pair.master.out.epoch, 1001U);
+  EXPECT_EQ(pair.slave.out.epoch, 1001U);
 }
 
 TEST(Supervisor, TakesBothReferencesWhereTheToolsStandAtEngaging) {
@@ -166,7 +165,7 @@ TEST(Supervisor, KeepsItsReferencesOverAShortSilence) {
   pair.connected = true;
   pair.run(400);
   EXPECT_EQ(pair.slave.out.mode, Mode::engaged);
-  EXPECT_EQ(pair.master.out.epoch, 1U) << "the slave must make up for the motion it missed";
+  EXPECT_EQ(pair.master.out.epoch, 1001U) << "the slave must make up for the motion it missed";
 }
 
 TEST(Supervisor, BeginsAnewWhereAPeerReturnsTooFarApart) {
@@ -177,8 +176,8 @@ TEST(Supervisor, BeginsAnewWhereAPeerReturnsTooFarApart) {
   pair.connected = true;
   pair.run(400);
   EXPECT_EQ(pair.slave.out.mode, Mode::engaged);
-  EXPECT_EQ(pair.master.out.epoch, 2U);
-  EXPECT_EQ(pair.slave.out.epoch, 2U);
+  EXPECT_EQ(pair.master.out.epoch, 1002U);
+  EXPECT_EQ(pair.slave.out.epoch, 1002U);
   EXPECT_EQ(pair.master.out.reference, pair.master.p);
 }
 
@@ -250,7 +249,19 @@ TEST(Supervisor, DisableReleasesTheCouplingBeforeTheAmplifiersGoOff) {
   pair.run(8);
   EXPECT_EQ(pair.master.out.ramp, 0.0);
   EXPECT_FALSE(pair.master.out.amplifiers);
+  EXPECT_EQ(pair.master.out.epoch, 0U) << "who takes no part publishes no epoch";
   EXPECT_EQ(pair.slave.out.mode, Mode::holding);
+}
+
+TEST(Supervisor, ReleasesInExactlyTheTimeAskedForWhateverItsRounding) {
+  for (int release_ms = 1; release_ms <= 20; ++release_ms) {
+    SupervisedPair pair = SupervisedPair::engaged({.release_ms = 1.0 * release_ms});
+    pair.master.disable = true;
+    pair.run(release_ms - 1);
+    EXPECT_GT(pair.master.out.ramp, 0.0) << release_ms << " ms";
+    pair.run(1);
+    EXPECT_EQ(pair.master.out.ramp, 0.0) << release_ms << " ms";
+  }
 }
 
 TEST(Supervisor, NeverTrustsAnEpochOfAProgramThatRestarted) {
@@ -284,13 +295,13 @@ TEST(Supervisor, ShowsTheLawOnlyPeerStatesOfTheOwnEpochWhileCoupled) {
   }
   pair.run(320);
   EXPECT_EQ(pair.slave.out.mode, Mode::engaged);
-  EXPECT_EQ(pair.slave.out.epoch, 2U);
+  EXPECT_EQ(pair.slave.out.epoch, 1002U);
 }
 
 TEST(Supervisor, RejectsTimesThatAreNotPositive) {
   const PositionError law{{}, Role::master};
-  EXPECT_THROW((Supervisor{{.engage_ms = 0.0}, law}), ConfigError);
-  EXPECT_THROW((Supervisor{{.resync_limit_mm = std::numeric_limits<double>::quiet_NaN()}, law}),
+  EXPECT_THROW((Supervisor{{.engage_ms = 0.0}, law, 0}), ConfigError);
+  EXPECT_THROW((Supervisor{{.resync_limit_mm = std::numeric_limits<double>::quiet_NaN()}, law, 0}),
                ConfigError);
 }
 
@@ -305,7 +316,7 @@ TEST(Supervisor, TakesItsTimesFromSettings) {
 
 TEST(Supervisor, StepsWithoutAllocating) {
   if (!testing::NoAllocation::is_armed()) GTEST_SKIP() << "a sanitizer owns malloc";
-  Supervisor supervisor{{}, PositionError{{}, Role::master}};
+  Supervisor supervisor{{}, PositionError{{}, Role::master}, 0};
   Supervisor::Input input{.enable = true};
   input.peer.emplace();
   input.peer->session = 7;
