@@ -1,0 +1,128 @@
+#include "core/reporting/html.hpp"
+
+#include <fstream>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "core/base/contract.hpp"
+#include "core/base/error.hpp"
+#include "core/reporting/charts.hpp"
+#include "core/reporting/escape.hpp"
+#include "core/reporting/page.hpp"
+#include "core/reporting/tables.hpp"
+#include "core/reporting/words.hpp"
+
+namespace teleop {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Replaces each {{name}} by its text, in one pass: what is filled in is never read again.
+std::string fill(std::string_view text,
+                 const std::map<std::string, std::string, std::less<>>& places) {
+  std::string out;
+  while (true) {
+    const std::size_t begin = text.find("{{");
+    if (begin == std::string_view::npos) return out.append(text);
+    const std::size_t end = text.find("}}", begin);
+    expects(end != std::string_view::npos, "a place in the page ends");
+    const auto place = places.find(text.substr(begin + 2, end - begin - 2));
+    expects(place != places.end(), "every place in the page is filled");
+    out.append(text.substr(0, begin)).append(place->second);
+    text.remove_prefix(end + 2);
+  }
+}
+
+/// "phantom-1.5 · wall · seed 3", of what the metadata say.
+std::string subtitle(const Log& log) {
+  std::string out;
+  const auto add = [&](const char* key, const char* label) {
+    const auto entry = log.metadata.find(key);
+    if (entry == log.metadata.end() || entry->second.empty()) return;
+    out += fmt::format("{}{}{}", out.empty() ? "" : " · ", label, escape_html(entry->second));
+  };
+  add("arm", "");
+  add("environment", "surroundings ");
+  add("hand", "hand ");
+  add("seed", "seed ");
+  add("version", "version ");
+  return out;
+}
+
+/// A sentence as HTML in which no number is parted from its unit.
+std::string sentence_html(const std::string& sentence) {
+  std::string out;
+  bool after_digit = false;
+  for (const char c : escape_html(sentence)) {
+    if (after_digit && c == ' ') {
+      out += "&nbsp;";
+    } else {
+      out += c;
+    }
+    after_digit = '0' <= c && c <= '9';
+  }
+  return out;
+}
+
+std::string story_text(const Words& words) {
+  std::string out;
+  for (const std::string& sentence : words.story) {
+    if (!out.empty()) out += ' ';
+    out += sentence_html(sentence);
+  }
+  return out;
+}
+
+std::string trouble_list(const Words& words) {
+  if (words.troubles.empty()) return {};
+  std::string out = "<ul class=\"troubles\">\n";
+  for (const std::string& trouble : words.troubles) {
+    out += fmt::format("<li>{}</li>\n", sentence_html(trouble));
+  }
+  return out + "</ul>";
+}
+
+}  // namespace
+
+std::string report_page(std::span<const Log> logs, const PairMetrics& metrics) {
+  const Run run = arrange(logs);
+  const Words words = describe(metrics);
+  return fill(page::kTemplate, {{"headline", escape_html(words.headline)},
+                                {"verdict", words.troubles.empty() ? "clean" : "troubled"},
+                                {"subtitle", subtitle(logs.front())},
+                                {"story", story_text(words)},
+                                {"troubles", trouble_list(words)},
+                                {"figures", key_figures(metrics)},
+                                {"numbers", number_table(metrics)},
+                                {"metadata", metadata_table(run)},
+                                {"style", std::string{page::kStyle}},
+                                {"dygraphs_style", std::string{page::kDygraphsStyle}},
+                                {"dygraphs", std::string{page::kDygraphs}},
+                                {"script", std::string{page::kScript}},
+                                {"data", chart_data(run, metrics)}});
+}
+
+void write_report(const fs::path& file, std::span<const Log> logs, const PairMetrics& metrics) {
+  std::error_code error;
+  for (const Log& log : logs) {
+    if (file == log.file || fs::equivalent(file, log.file, error)) {
+      throw ConfigError{fmt::format(
+          "{}: is one of the recordings; choose another name for the report", file.string())};
+    }
+  }
+  const std::string page = report_page(logs, metrics);
+  const fs::path draft = file.string() + ".part";
+  std::ofstream out{draft, std::ios::binary};
+  out.write(page.data(), static_cast<std::streamsize>(page.size()));
+  out.close();
+  error.clear();
+  if (out) fs::rename(draft, file, error);
+  if (!out || error) {
+    std::error_code ignored;
+    fs::remove(draft, ignored);
+    throw ConfigError{fmt::format("{}: cannot be written; choose another place", file.string())};
+  }
+}
+
+}  // namespace teleop
