@@ -1,18 +1,17 @@
 #include "core/reporting/html.hpp"
 
-#include <cstdlib>
 #include <fstream>
 #include <map>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include "core/base/error.hpp"
 #include "core/math/random.hpp"
 #include "core/reporting/escape.hpp"
 #include "core/reporting/page.hpp"
 #include "tests/reporting/run_of.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace teleop {
 namespace {
@@ -23,22 +22,7 @@ using testing::log_of;
 using testing::set;
 using testing::set_tool_force;
 using testing::sine;
-
-/// A folder of its own that goes away with the test.
-class Report : public ::testing::Test {
- protected:
-  Report() {
-    std::string name = (fs::temp_directory_path() / "teleop-report-XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-  }
-  Report(const Report&) = delete;
-  Report& operator=(const Report&) = delete;
-  Report(Report&&) = delete;
-  Report& operator=(Report&&) = delete;
-  ~Report() override { fs::remove_all(folder_); }
-
-  fs::path folder_;
-};
+using testing::TemporaryFolder;
 
 std::vector<Log> a_pair(double seconds = 2.0) {
   const auto change = [](TickRecord& r, double t) {
@@ -213,31 +197,34 @@ TEST(ReportPage, OfTenMinutesStaysSmall) {
   EXPECT_LT(page_of(logs).size(), 5'000'000U);
 }
 
-TEST_F(Report, IsWrittenWholeAndReplacesAnOlderOne) {
+TEST(WriteReport, WritesTheWholePageAndReplacesAnOlderOne) {
+  const TemporaryFolder folder;
   const std::vector<Log> logs = a_pair(0.1);
   const PairMetrics metrics = measure(logs);
-  const fs::path file = folder_ / "report.html";
+  const fs::path file = folder.path() / "report.html";
   std::ofstream{file} << "older";
   write_report(file, logs, metrics);
   EXPECT_EQ(fs::file_size(file), report_page(logs, metrics).size());
-  EXPECT_FALSE(fs::exists(folder_ / "report.html.part"));
+  EXPECT_FALSE(fs::exists(folder.path() / "report.html.part"));
 }
 
-TEST_F(Report, NeverReplacesARecording) {
+TEST(WriteReport, NeverReplacesARecording) {
+  const TemporaryFolder folder;
   std::vector<Log> logs = a_pair(0.1);
-  logs[1].file = folder_ / "slave.mcap";
+  logs[1].file = folder.path() / "slave.mcap";
   std::ofstream{logs[1].file} << "recorded";
-  fs::create_hard_link(logs[1].file, folder_ / "other-name.html");
+  fs::create_hard_link(logs[1].file, folder.path() / "other-name.html");
   const PairMetrics metrics = measure(logs);
   EXPECT_THROW(write_report(logs[1].file, logs, metrics), ConfigError);
-  EXPECT_THROW(write_report(folder_ / "." / "slave.mcap", logs, metrics), ConfigError);
-  EXPECT_THROW(write_report(folder_ / "other-name.html", logs, metrics), ConfigError);
+  EXPECT_THROW(write_report(folder.path() / "." / "slave.mcap", logs, metrics), ConfigError);
+  EXPECT_THROW(write_report(folder.path() / "other-name.html", logs, metrics), ConfigError);
   EXPECT_EQ(fs::file_size(logs[1].file), 8U);
 }
 
-TEST_F(Report, ThatCannotBeWrittenIsAClearErrorAndLeavesNothing) {
+TEST(WriteReport, ThatFailsIsAClearErrorAndLeavesNothing) {
+  const TemporaryFolder folder;
   const std::vector<Log> logs = a_pair(0.1);
-  const fs::path file = folder_ / "no-such-folder" / "report.html";
+  const fs::path file = folder.path() / "no-such-folder" / "report.html";
   try {
     write_report(file, logs, measure(logs));
     FAIL() << "wrote into a folder that is not there";
@@ -245,7 +232,7 @@ TEST_F(Report, ThatCannotBeWrittenIsAClearErrorAndLeavesNothing) {
     EXPECT_NE(std::string{error.what()}.find(file.string()), std::string::npos);
     EXPECT_EQ(std::string{error.what()}.find('\n'), std::string::npos);
   }
-  EXPECT_TRUE(fs::is_empty(folder_));
+  EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
 }  // namespace
