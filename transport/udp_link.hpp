@@ -29,7 +29,7 @@ class UdpLink final : public Link {
     std::string bind = "127.0.0.1:0";   ///< port 0: the system picks one
     std::string peer{};                 ///< empty: whoever speaks first
     bool own_thread = true;             ///< false: the caller receives in wait()
-    Realtime realtime{.priority = 85};  ///< of the receiving thread: above the loop, so that
+    Realtime realtime{.priority = 81};  ///< of the receiving thread: above the loop, so that
                                         ///< arrivals are stamped on time
   };
 
@@ -57,7 +57,7 @@ class UdpLink final : public Link {
   static constexpr std::chrono::microseconds kWait{50'000};
 
   [[nodiscard]] std::uint16_t port() const;  ///< bound to
-  [[nodiscard]] std::uint64_t session() const noexcept { return session_; }
+  [[nodiscard]] std::uint64_t session() const noexcept override { return session_; }
   [[nodiscard]] std::uint64_t unsent() const noexcept { return unsent_; }
 
   /// What the system refused to the receiving thread; empty when all was granted.

@@ -35,6 +35,9 @@ class Link {
   [[nodiscard]] virtual std::optional<PeerSample> receive() noexcept = 0;
   virtual void send(const PeerState& state) noexcept = 0;
   [[nodiscard]] virtual LinkStatistics statistics() const noexcept = 0;
+
+  /// Tells this opening of the link from any other, as its packets do.
+  [[nodiscard]] virtual std::uint64_t session() const noexcept = 0;
 };
 
 }  // namespace teleop

@@ -28,6 +28,9 @@ namespace {
 
 using namespace std::chrono_literals;  // NOLINT(google-build-using-namespace): literals only
 
+/// Whose hand holds a simulated arm when nobody says: the operator's holds the master.
+const char* hand_of(Role role) { return role == Role::master ? "reach" : "none"; }
+
 /// Everything that the process owns, in the order in which it is opened.
 class Side {
  public:
@@ -36,8 +39,7 @@ class Side {
         config_{config},
         refused_{prepare_process()},
         arm_{open_device(config.device, {.clock = clock_,
-                                         .role = role,
-                                         .hand = config.hand,
+                                         .hand = config.hand.empty() ? hand_of(role) : config.hand,
                                          .environment = config.environment,
                                          .seed = config.seed})},
         model_{load_arm(arm_->info().model)},
@@ -99,8 +101,8 @@ class Side {
         {"host", host_name()},
         {"config", settings.print()},
     };
-    for (const auto& [key, value] : station_.metadata()) metadata.emplace(key, value);
-    recorder_.emplace(Recorder::Config{.log = {.file = file, .metadata = metadata}});
+    metadata.merge(station_.metadata());
+    recorder_.emplace(Recorder::Config{.log = {.file = file, .role = role_, .metadata = metadata}});
   }
 
   void close_recording() {

@@ -16,6 +16,7 @@ class SilentLink final : public Link {
   [[nodiscard]] std::optional<PeerSample> receive() noexcept override { return std::nullopt; }
   void send(const PeerState& /*state*/) noexcept override { ++statistics_.sent; }
   [[nodiscard]] LinkStatistics statistics() const noexcept override { return statistics_; }
+  [[nodiscard]] std::uint64_t session() const noexcept override { return 1; }
 
  private:
   LinkStatistics statistics_{};
@@ -46,6 +47,7 @@ class SimulatedNetwork {
     [[nodiscard]] std::optional<PeerSample> receive() noexcept override;
     void send(const PeerState& state) noexcept override;
     [[nodiscard]] LinkStatistics statistics() const noexcept override { return statistics_; }
+    [[nodiscard]] std::uint64_t session() const noexcept override { return session_; }
 
    private:
     friend class SimulatedNetwork;

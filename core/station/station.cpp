@@ -1,6 +1,7 @@
 #include "core/station/station.hpp"
 
-#include <cmath>
+#include <iomanip>
+#include <sstream>
 
 #include "core/model/kinematics.hpp"
 
@@ -47,13 +48,24 @@ Station::Station(const StationConfig& config,
       gravity_{config.gravity, model},
       tracking_{config.tracking, model},
       velocity_{config.velocity},
-      supervisor_{config.supervisor, law_},
+      supervisor_{config.supervisor, law_, ports.link.session()},
       limiter_{config.limits} {}
 
 std::vector<std::string> Station::notices() const {
   std::vector<std::string> lines;
   if (!passive(config_.law)) lines.push_back(passivity_statement(config_.law));
   return lines;
+}
+
+Metadata Station::metadata() const {
+  std::ostringstream scale;
+  scale << std::setprecision(17) << config_.law.scale;
+  std::ostringstream rotation;
+  const Eigen::IOFormat one_line{Eigen::FullPrecision, Eigen::DontAlignCols, " ", " "};
+  rotation << law_.rotation().format(one_line);
+  return {{"law_scale", scale.str()},
+          {"law_rotation", rotation.str()},
+          {"law_passive", passivity_statement(config_.law)}};
 }
 
 const TickRecord& Station::step(const Tick& tick) noexcept {

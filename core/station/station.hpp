@@ -16,6 +16,7 @@
 #include "core/ports/link.hpp"
 #include "core/realtime/clock.hpp"
 #include "core/realtime/loop.hpp"
+#include "core/recording/log.hpp"
 #include "core/recording/tick_record.hpp"
 
 namespace teleop {
@@ -66,6 +67,9 @@ class Station {
   void report_recording_failed() noexcept { recording_failed_ = true; }
 
   [[nodiscard]] const LinkStatistics& link_statistics() const noexcept { return statistics_; }
+
+  /// What a reader of the recording needs of the law, for its metadata.
+  [[nodiscard]] Metadata metadata() const;
 
   /// What a user should know before the loop starts, a line each.
   [[nodiscard]] std::vector<std::string> notices() const;
