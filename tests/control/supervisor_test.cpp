@@ -190,7 +190,7 @@ TEST(Supervisor, ClutchOfEitherSideReleasesBothAndResyncs) {
     EXPECT_EQ(pair.master.out.mode, Mode::holding);
     EXPECT_EQ(pair.slave.out.mode, Mode::holding);
     EXPECT_EQ(pair.master.out.ramp + pair.slave.out.ramp, 0.0);
-    side.p.y() += 0.1;
+    side.p.y() += 0.005;  // below the resync limit: the clutch alone asks for new references
     side.clutch = false;
     pair.run(320);
     EXPECT_EQ(pair.master.out.mode, Mode::engaged);
