@@ -126,8 +126,9 @@ Block run_block(Pair& pair, const LinkBenchOptions& options, std::vector<std::st
   bool lost = false;
   std::thread answering{[&] {
     static_cast<void>(prepare_thread(realtime));
-    while (!done.load(std::memory_order_relaxed))
+    while (!done.load(std::memory_order_relaxed)) {
       pair.answer();
+    }
   }};
   std::thread asking{[&] {
     refused = prepare_thread(realtime);

@@ -10,10 +10,11 @@
 namespace teleop {
 namespace {
 
-bool is_port(std::string_view text) noexcept {
+bool is_port(std::string_view text) {
   std::uint16_t port = 0;
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, port);
+  const std::string digits{text};
+  const char* end = digits.data() + digits.size();
+  const auto [stop, error] = std::from_chars(digits.data(), end, port);
   return error == std::errc{} && stop == end;
 }
 

@@ -15,8 +15,9 @@ constexpr Tables make_tables() noexcept {
   Tables tables{};
   for (std::uint32_t byte = 0; byte < 256; ++byte) {
     std::uint32_t crc = byte;
-    for (int bit = 0; bit < 8; ++bit)
+    for (int bit = 0; bit < 8; ++bit) {
       crc = (crc >> 1U) ^ ((crc & 1U) != 0 ? kPolynomial : 0U);
+    }
     tables[0][byte] = crc;
   }
   for (std::size_t k = 1; k < kSlices; ++k) {

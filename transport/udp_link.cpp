@@ -132,8 +132,9 @@ class UdpLink::Socket {
       sigfillset(&all);
       pthread_sigmask(SIG_BLOCK, &all, nullptr);  // signals are for the program's other threads
       prepared.set_value(realtime.enabled ? prepare_thread(realtime) : std::vector<std::string>{});
-      while (!stopping_.load(std::memory_order_relaxed))
+      while (!stopping_.load(std::memory_order_relaxed)) {
         receive_one();
+      }
     }};
     return refused.get();
   }
@@ -215,9 +216,9 @@ std::optional<PeerSample> UdpLink::receive() noexcept {
 
 void UdpLink::send(const PeerState& state) noexcept {
   look();
-  if (!inbox_->peer) return;
-  const bool taken =
-      socket_->send(encode(sender_.step(state, inbox_->heard, now())), *inbox_->peer);
+  const Inbox& inbox = *inbox_;
+  if (!inbox.peer) return;
+  const bool taken = socket_->send(encode(sender_.step(state, inbox.heard, now())), *inbox.peer);
   ++(taken ? sent_ : unsent_);
 }
 

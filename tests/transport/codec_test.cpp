@@ -232,8 +232,9 @@ TEST(Codec, RefusesNoise) {
   Random random{6};
   for (std::size_t i = 0; i < cases(20'000); ++i) {
     std::vector<std::byte> noise(random.bits() % 400);
-    for (std::byte& byte : noise)
+    for (std::byte& byte : noise) {
       byte = static_cast<std::byte>(random.bits());
+    }
     EXPECT_NE(decode(noise).check, Check::ok);
   }
 }

@@ -22,13 +22,16 @@ class RawPeer {
       : family_{family}, socket_{::socket(family, SOCK_DGRAM, 0)} {
     wait_at_most({.tv_sec = 2, .tv_usec = 0});
     sockaddr_storage own = loopback(0);
-    ::bind(socket_, reinterpret_cast<sockaddr*>(&own), size());
+    is_bound_ = ::bind(socket_, reinterpret_cast<sockaddr*>(&own), size()) == 0;
   }
   RawPeer(const RawPeer&) = delete;
   RawPeer& operator=(const RawPeer&) = delete;
   RawPeer(RawPeer&&) = delete;
   RawPeer& operator=(RawPeer&&) = delete;
   ~RawPeer() { ::close(socket_); }
+
+  /// False where the machine does not have this family.
+  [[nodiscard]] bool is_bound() const { return is_bound_; }
 
   [[nodiscard]] std::uint16_t port() const {
     sockaddr_storage own{};
@@ -88,6 +91,7 @@ class RawPeer {
 
   int family_;
   int socket_;
+  bool is_bound_ = false;
 };
 
 }  // namespace teleop::testing

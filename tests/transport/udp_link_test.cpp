@@ -56,7 +56,7 @@ std::optional<PeerSample> await(UdpLink& link) {
 class BothFamilies : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(BothFamilies, CarryAStateThereAndBack) {
-  if (GetParam() == "[::1]" && RawPeer{AF_INET6}.port() == 0) GTEST_SKIP() << "no IPv6 here";
+  if (GetParam() == "[::1]" && !RawPeer{AF_INET6}.is_bound()) GTEST_SKIP() << "no IPv6 here";
   UdpLink slave{{.bind = GetParam() + ":0", .own_thread = false}};
   UdpLink master{
       {.bind = GetParam() + ":0", .peer = at_port(GetParam(), slave.port()), .own_thread = false}};
@@ -122,10 +122,12 @@ TEST(UdpLink, KeepsTheNewestOfPacketsDroppedRepeatedAndSwapped) {
 TEST(UdpLink, ReturnsOnlyTheNewestOfPacketsThatCameTogether) {
   const RawPeer peer;
   UdpLink link{manual(at_port("127.0.0.1", peer.port()))};
-  for (const std::uint64_t sequence : {1U, 2U, 4U, 3U})
+  for (const std::uint64_t sequence : {1U, 2U, 4U, 3U}) {
     peer.send(link.port(), packet(sequence));
-  for (int i = 0; i < 4; ++i)
+  }
+  for (int i = 0; i < 4; ++i) {
     ASSERT_TRUE(link.wait());
+  }
 
   const auto sample = link.receive();
   ASSERT_TRUE(sample);
@@ -149,8 +151,9 @@ TEST(UdpLink, RefusesTornForeignAndOtherVersions) {
   peer.send(link.port(), torn);
   peer.send(link.port(), newer);
   peer.send(link.port(), jumbo);
-  for (int i = 0; i < 5; ++i)
+  for (int i = 0; i < 5; ++i) {
     ASSERT_TRUE(link.wait());
+  }
 
   EXPECT_FALSE(link.receive());
   EXPECT_EQ(link.statistics().refused, 5U);
@@ -180,8 +183,9 @@ TEST(UdpLink, IsNotTakenOverWhileItsPeerSpeaks) {
   peer.send(link.port(), packet(1));
   stranger.send(link.port(), packet(7, 0xC));
   stranger.send(link.port(), packet(2, kPeer));
-  for (int i = 0; i < 3; ++i)
+  for (int i = 0; i < 3; ++i) {
     ASSERT_TRUE(link.wait());
+  }
 
   const auto sample = link.receive();
   ASSERT_TRUE(sample);
@@ -198,8 +202,9 @@ TEST(UdpLink, AnswersARestartedPeerAtItsNewAddress) {
   ASSERT_TRUE(link.receive());
 
   // This silence lets another session in; the kernel may cut a wait short by one of its ticks.
-  for (int i = 0; i < 2; ++i)
+  for (int i = 0; i < 2; ++i) {
     EXPECT_FALSE(link.wait());
+  }
   restarted.send(link.port(), packet(1, 0xC));
   ASSERT_TRUE(link.wait());
 
@@ -317,8 +322,9 @@ TEST(UdpLink, IsNotDisturbedByAFloodOfJunk) {
   std::uint64_t answered = 0;
   for (std::uint64_t tick = 1; tick <= 300; ++tick) {
     for (int i = 0; i < 30; ++i) {  // fewer than the socket holds
-      for (std::byte& byte : bytes)
+      for (std::byte& byte : bytes) {
         byte = static_cast<std::byte>(random.bits());
+      }
       junk.send(slave.port(), std::span{bytes}.first(random.bits() % bytes.size()));
     }
     master.send({.tick = tick});
@@ -355,7 +361,7 @@ TEST(UdpLink, SaysInOneLineWhatIsWrongWithAnAddress) {
   const UdpLink other{manual()};
   const struct {
     UdpLink::Config config;
-    const char* says;
+    const char* says = "";
   } wrongs[] = {
       {{.bind = at_port("127.0.0.1", other.port())}, "already in use"},
       {{.bind = "192.0.2.1:0"}, "give an address of this machine"},
