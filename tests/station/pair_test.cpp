@@ -89,7 +89,7 @@ TEST(Pair, GivesTheSameBitsTwice) {
 
 TEST(Pair, LetsGoWithin20MillisecondsOfSilenceAndComesBackWithoutAJump) {
   SimulatedPair pair{pair_with("reach")};
-  (void)observe(pair, 2'000);
+  const Observed before = observe(pair, 2'000);
   ASSERT_EQ(pair.master().mode, static_cast<std::uint32_t>(Mode::engaged));
 
   pair.network().outage(true);
@@ -100,9 +100,10 @@ TEST(Pair, LetsGoWithin20MillisecondsOfSilenceAndComesBackWithoutAJump) {
   for (int i = 0; i < 500; ++i) pair.step();
 
   pair.network().outage(false);
-  const Observed seen = observe(pair, 2'000);
-  EXPECT_GT(seen.engaged_turns, 1'500);
-  EXPECT_LT(seen.largest_force_step_N, 0.25);
+  const Observed after = observe(pair, 2'000);
+  EXPECT_GT(after.engaged_turns, 1'500);
+  EXPECT_LT(after.largest_force_step_N, 1.5 * before.largest_force_step_N)
+      << "a step beyond those that encoder counts make all the time";
 }
 
 TEST(Pair, StopsOnlyTheArmThatHasAFaultAndHoldsTheOther) {
