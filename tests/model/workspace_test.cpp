@@ -135,5 +135,15 @@ TEST(Workspace, OfAnArmWhoseStopsContradictIsEmpty) {
   EXPECT_EQ(map.area_m2, 0.0);
 }
 
+TEST(Workspace, OnAGridTooCoarseToHitItHasNoNumbers) {
+  ArmParameters parameters = phantom().parameters();
+  parameters.lower_limit_rad[1] = 0.5;
+  parameters.upper_limit_rad[1] = 0.6;
+  const WorkspaceMap map = map_workspace(ArmModel{parameters}, 10.0);
+  EXPECT_GT(map.cells.size(), 0U);
+  EXPECT_EQ(map.count(Reach::ok), 0U);
+  EXPECT_EQ(map.mu_max, 0.0);
+}
+
 }  // namespace
 }  // namespace teleop
