@@ -13,7 +13,7 @@ namespace teleop {
 ///     τ = M(q) (q̈_d + K_d ė + K_p e) + C(q, q̇) q̇ + N(q),   e = q_d − q,
 ///
 /// so that on an arm that is the model each joint's error obeys ë + K_d ė + K_p e = 0
-/// [Craig 2005, section 10.4]. The defaults place both roots of every joint at −40 rad/s.
+/// [Murray 1994, section 4.5]. The defaults place both roots of every joint at −40 rad/s.
 /// Thread: any. Loop: step neither allocates, blocks nor throws.
 class ComputedTorque {
  public:

@@ -15,10 +15,10 @@ namespace teleop {
 /// is met exactly. The estimate lags by Δt/2 + Δt (1 − α)/α; white noise of deviation σ in q
 /// leaves as σ/Δt · √(2α²/(2 − α)).
 ///
-/// The default of 300 Hz is the lowest round cutoff at which half the marginal gain of the shipped
-/// law still tracks a fast hand within 2 mm (docs/theory.md). At 1 kHz it lags 0.68 ms, and one
-/// encoder count passes as 0.85 counts/ms.
-/// Thread: the loop's only. Loop: step and reset neither allocate, block nor throw.
+/// The default of 300 Hz lags 0.68 ms at 1 kHz. At 200 Hz the shipped law, at half its marginal
+/// gain, follows a fast and stiff hand only just within 2 mm; beyond 300 Hz little is gained but
+/// the noise of the encoder (docs/theory.md). Thread: the loop's only. Loop: step and reset neither
+/// allocate, block nor throw.
 class DifferenceVelocity {
  public:
   struct Config {
