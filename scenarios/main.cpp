@@ -92,7 +92,6 @@ void add_bench(CLI::App& app, BenchOptions& options, Action& action) {
 int run(int argc, char** argv) {
   CLI::App app{"teleop: bilateral teleoperation for PHANToM haptic arms"};
   app.set_version_flag("--version", std::string{kVersion});
-  app.require_subcommand(1);
   app.footer("The two sides as processes of their own: teleop-master --help, teleop-slave --help.");
   LoopbackOptions loopback;
   WorkspaceOptions workspace;
@@ -110,6 +109,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     throw ConfigError{std::string{error.what()} + "; --help lists what there is"};
   }
+  if (!action) throw ConfigError{"say what to do, for example: teleop loopback; --help lists what there is"};
   return action();
 }
 

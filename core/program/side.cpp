@@ -86,6 +86,9 @@ class Side {
 
  private:
   void open_recording(const Settings& settings) {
+    std::error_code error;
+    std::filesystem::create_directories(config_.out, error);
+    if (error) throw RecordingError{fmt::format("{}: cannot be made: {}", config_.out, error.message())};
     const auto file = std::filesystem::path{config_.out} / fmt::format("{}.mcap", name_of(role_));
     const StationConfig& station = config_.station;
     Metadata metadata{

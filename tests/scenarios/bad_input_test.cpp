@@ -34,7 +34,7 @@ void expect_one_clear_line(const Bad& bad) {
 
 TEST(BadInput, OnTheCommandLineIsOneLineAndExitCode2) {
   const std::vector<Bad> commands{
-      {"teleop", {"subcommand"}},
+      {"teleop", {"say what to do"}},
       {"teleop lopback", {"lopback"}},
       {"teleop loopback --seconds -1", {"seconds"}},
       {"teleop loopback --environment mud", {"environment", "mud"}},

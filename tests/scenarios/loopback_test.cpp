@@ -59,8 +59,8 @@ TEST(Loopback, CarriesTheContactForceToTheHandAtRest) {
 
   ASSERT_EQ(finished.exit_code, 0) << finished.output;
   const json summary = read_json(folder.path() / "s.json");
-  ASSERT_TRUE(summary["contact_ratio"].is_number()) << summary.dump(2);
-  EXPECT_NEAR(summary["contact_ratio"].get<double>(), 1.0, 0.1);
+  ASSERT_TRUE(summary["contact_at_rest"].is_object()) << summary.dump(2);
+  EXPECT_NEAR(summary["contact_at_rest"]["ratio"].get<double>(), 1.0, 0.1);
 }
 
 /// A pair of processes with a slave that the test may kill.
