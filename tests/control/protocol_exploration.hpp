@@ -34,8 +34,9 @@ struct ProtocolWorld {
 
   void deliver(std::size_t from) {
     if (!flight.at(from)) return;
-    side.at(1 - from).newest = flight.at(from);
-    side.at(1 - from).newest->received = Instant{};
+    PeerSample arrived = *flight.at(from);
+    arrived.received = Instant{};
+    side.at(1 - from).newest = arrived;
     age.at(1 - from) = 0;
     flight.at(from).reset();
   }
