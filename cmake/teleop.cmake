@@ -70,7 +70,8 @@ function(teleop_program path name)
   target_link_libraries(${name} PRIVATE teleop_warnings ${ARG_DEPENDS})
 endfunction()
 
-# teleop_test(control LABEL unit DEPENDS …): every tests/control/*_test.cpp in one program.
+# teleop_test(control LABEL unit DEPENDS …): every tests/control/*_test.cpp in one program; the
+# target tests-LABEL builds all programs of a label.
 function(teleop_test name)
   cmake_parse_arguments(ARG "" "LABEL" "DEPENDS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tests/${name}/*_test.cpp)
@@ -83,6 +84,10 @@ function(teleop_test name)
   add_executable(${name}_test ${sources})
   target_link_libraries(${name}_test PRIVATE teleop_warnings ${ARG_DEPENDS} teleop_test_support
                         GTest::gtest_main)
+  if(NOT TARGET tests-${ARG_LABEL})
+    add_custom_target(tests-${ARG_LABEL})
+  endif()
+  add_dependencies(tests-${ARG_LABEL} ${name}_test)
   gtest_discover_tests(${name}_test TEST_PREFIX ${ARG_LABEL}. DISCOVERY_TIMEOUT 60
                        PROPERTIES LABELS ${ARG_LABEL})
 endfunction()

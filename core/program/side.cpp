@@ -28,9 +28,6 @@ namespace {
 
 using namespace std::chrono_literals;  // NOLINT(google-build-using-namespace): literals only
 
-/// Whose hand holds a simulated arm when nobody says: the operator's holds the master.
-const char* hand_of(Role role) { return role == Role::master ? "reach" : "none"; }
-
 /// Everything that the process owns, in the order in which it is opened.
 class Side {
  public:
@@ -39,7 +36,7 @@ class Side {
         config_{config},
         refused_{prepare_process()},
         arm_{open_device(config.device, {.clock = clock_,
-                                         .hand = config.hand.empty() ? hand_of(role) : config.hand,
+                                         .hand = hand(),
                                          .environment = config.environment,
                                          .seed = config.seed})},
         model_{load_arm(arm_->info().model)},
@@ -85,6 +82,12 @@ class Side {
   }
 
  private:
+  /// Of a simulated arm; when nobody says, the operator's holds the master.
+  [[nodiscard]] std::string hand() const {
+    if (!config_.hand.empty()) return config_.hand;
+    return role_ == Role::master ? "reach" : "none";
+  }
+
   void open_recording(const Settings& settings) {
     std::error_code error;
     std::filesystem::create_directories(config_.out, error);
@@ -99,7 +102,7 @@ class Side {
         {"device_details", arm_->info().details},
         {"rate_Hz", fmt::format("{}", station.rate_Hz)},
         {"seed", fmt::format("{}", config_.seed)},
-        {"hand", config_.hand},
+        {"hand", hand()},
         {"environment", config_.environment},
         {"host", host_name()},
         {"config", settings.print()},

@@ -11,12 +11,20 @@
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 namespace teleop {
 namespace {
 
 std::string reason(int error) { return std::generic_category().message(error); }
+
+/// With a limit that is reached later, threads could no longer be started: better not to begin.
+bool may_lock_all() noexcept {
+  constexpr rlim_t kEnough = rlim_t{512} * 1024 * 1024;  // libraries and the stacks of all threads
+  rlimit limit{};
+  return geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur >= kEnough);
+}
 
 /// So that the loop's first deep call does not fault.
 void touch_stack() noexcept {
@@ -37,7 +45,9 @@ void add_settings(Settings& settings, const std::string& prefix, Realtime& realt
 std::vector<std::string> prepare_process() {
   std::vector<std::string> refused;
   // Everything mapped now is made resident; what comes later, as it is touched.
-  if (mlockall(MCL_CURRENT) != 0 || mlockall(MCL_FUTURE | MCL_ONFAULT) != 0) {
+  if (!may_lock_all()) {
+    refused.emplace_back("memory stays pageable: the limit of locked memory is too low (ulimit -l)");
+  } else if (mlockall(MCL_CURRENT) != 0 || mlockall(MCL_FUTURE | MCL_ONFAULT) != 0) {
     refused.push_back("memory stays pageable: " + reason(errno));
   }
   // The kernel keeps the request for as long as the file is open, which is the process's life.

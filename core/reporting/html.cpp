@@ -34,17 +34,23 @@ std::string fill(std::string_view text,
   }
 }
 
-/// "phantom-1.5 · wall · seed 3", of what the metadata say.
-std::string subtitle(const Log& log) {
+/// "phantom-1.5 · surroundings wall · seed 3", of what the metadata say. The hand holds the master,
+/// the surroundings are the slave's; of a run of one side both are that side's.
+std::string subtitle(std::span<const Log> logs) {
   std::string out;
-  const auto add = [&](const char* key, const char* label) {
-    const auto entry = log.metadata.find(key);
-    if (entry == log.metadata.end() || entry->second.empty()) return;
+  const auto add = [&](const char* key, const char* label, const char* role = nullptr) {
+    const Log* log = &logs.front();
+    for (const Log& other : logs) {
+      const auto of = other.metadata.find("role");
+      if (role != nullptr && of != other.metadata.end() && of->second == role) log = &other;
+    }
+    const auto entry = log->metadata.find(key);
+    if (entry == log->metadata.end() || entry->second.empty()) return;
     out += fmt::format("{}{}{}", out.empty() ? "" : " · ", label, escape_html(entry->second));
   };
   add("arm", "");
-  add("environment", "surroundings ");
-  add("hand", "hand ");
+  add("environment", "surroundings ", "slave");
+  add("hand", "hand ", "master");
   add("seed", "seed ");
   add("version", "version ");
   return out;
@@ -90,7 +96,7 @@ std::string report_page(std::span<const Log> logs, const PairMetrics& metrics) {
   const Words words = describe(metrics);
   return fill(page::kTemplate, {{"headline", escape_html(words.headline)},
                                 {"verdict", words.troubles.empty() ? "clean" : "troubled"},
-                                {"subtitle", subtitle(logs.front())},
+                                {"subtitle", subtitle(logs)},
                                 {"story", story_text(words)},
                                 {"troubles", trouble_list(words)},
                                 {"figures", key_figures(metrics)},

@@ -149,8 +149,10 @@ void list_outages(const Side& side, SideMetrics& out) {
     outage.ended = ended;
   };
   for (const TickRecord& record : side.log->ticks) {
-    peer_seen = peer_seen || record.peer_session != 0;
-    const bool now = peer_seen && has(record, Limit::peer_silent);
+    // Until the first echo nothing bounds the age of what came: that is no silence yet.
+    const bool silent_now = has(record, Limit::peer_silent);
+    peer_seen = peer_seen || (record.peer_session != 0 && !silent_now);
+    const bool now = peer_seen && silent_now;
     if (now && !silent) {
       out.outages.push_back(
           {.side = out.role, .t_s = side.clock.seconds(record.stamp_ns), .ended = false});
