@@ -1,5 +1,5 @@
 # teleop_embed(report_page core/reporting/page.hpp teleop::page
-#              kStyle=/path/page.css kScript=/path/page.js)
+#              style=/path/page.css script=/path/page.js)
 #
 # makes a source file that defines, for each NAME=FILE, the constant that HEADER declares as
 # `extern const std::string_view NAME` in NAMESPACE: the file's text, so that a program carries it.

@@ -56,8 +56,9 @@ int run_report(const std::vector<std::string>& logs, fs::path out, const fs::pat
   }
 
   std::vector<Log> runs;
-  for (const std::string& log : logs)
+  for (const std::string& log : logs) {
     runs.push_back(read_log(log));
+  }
   const PairMetrics metrics = measure(runs);
   write_report(out, runs, metrics);
   if (!json.empty()) {
@@ -69,10 +70,12 @@ int run_report(const std::vector<std::string>& logs, fs::path out, const fs::pat
 
   const Words words = describe(metrics);
   fmt::print("{}\n", words.headline);
-  for (const std::string& sentence : words.story)
+  for (const std::string& sentence : words.story) {
     fmt::print("  {}\n", sentence);
-  for (const std::string& trouble : words.troubles)
+  }
+  for (const std::string& trouble : words.troubles) {
     fmt::print("  ! {}\n", trouble);
+  }
   fmt::print("{}\n", out.string());
   return 0;
 }

@@ -30,13 +30,12 @@ std::string numbers(std::span<const double> values) {
 
 std::vector<TimedSide> timed_sides(const Run& run) {
   std::vector<TimedSide> sides;
-  for (const auto* side : {&run.master, &run.slave}) {
-    if (!*side) continue;
-    const Log& log = *(*side)->log;
+  for (const Side* side : run.sides()) {
+    const Log& log = *side->log;
     TimedSide timed{.role = role_of(log), .log = &log};
     timed.t_s.reserve(log.ticks.size());
     for (const TickRecord& record : log.ticks) {
-      timed.t_s.push_back((*side)->clock.seconds(record.stamp_ns));
+      timed.t_s.push_back(side->clock.seconds(record.stamp_ns));
     }
     sides.push_back(std::move(timed));
   }
@@ -70,8 +69,9 @@ void ChartWriter::scalar(const Scalar& value, const std::string& suffix, bool da
 }
 
 void ChartWriter::vector(const Vector& value) {
-  for (const TimedSide& side : sides_)
+  for (const TimedSide& side : sides_) {
     vector(side, value, name_of(side.role), side.role);
+  }
 }
 
 void ChartWriter::vector(const TimedSide& side,
@@ -103,8 +103,9 @@ void ChartWriter::paired(const std::string& label,
 std::vector<double> ChartWriter::sampled(const TimedSide& side, const Scalar& value) const {
   std::vector<double> values;
   values.reserve(side.log->ticks.size());
-  for (const TickRecord& record : side.log->ticks)
+  for (const TickRecord& record : side.log->ticks) {
     values.push_back(value(record));
+  }
   return decimate(grid_, side.t_s, values);
 }
 

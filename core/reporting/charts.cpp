@@ -107,8 +107,9 @@ Json runs_of(const TimedSide& side, const TimeGrid& grid, std::uint32_t none, Me
   Json runs = Json::array();
   for (std::size_t first = 0; first < values.size();) {
     std::size_t last = first;
-    while (last + 1 < values.size() && values[last + 1] == values[first])
+    while (last + 1 < values.size() && values[last + 1] == values[first]) {
       ++last;
+    }
     if (values[first] != none) runs.push_back({first, last, values[first]});
     first = last + 1;
   }
@@ -137,8 +138,9 @@ Json faults_of(const PairMetrics& metrics) {
 std::string chart_data(const Run& run, const PairMetrics& metrics) {
   const std::vector<TimedSide> sides = timed_sides(run);
   double rate_Hz = 1.0;
-  for (const TimedSide& side : sides)
-    rate_Hz = std::max(rate_Hz, nominal_rate_Hz(*side.log));
+  for (const TimedSide& side : sides) {
+    rate_Hz = std::max(rate_Hz, nominal_rate(*side.log));
+  }
   const TimeGrid grid = TimeGrid::over(run.seconds, 2.0 / rate_Hz, kMostBuckets);
 
   std::vector<PairedTick> pairs;

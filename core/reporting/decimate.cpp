@@ -20,8 +20,8 @@ TimeGrid TimeGrid::over(double seconds, double narrowest_s, std::size_t most) {
 
 std::optional<std::size_t> TimeGrid::bucket_of(double t_s) const noexcept {
   const double place = t_s / bucket_s;
-  if (!(place >= 0.0 && place < static_cast<double>(buckets))) return {};
-  return static_cast<std::size_t>(place);
+  const bool inside = place >= 0.0 && place < static_cast<double>(buckets);  // false of NaN too
+  return inside ? std::optional{static_cast<std::size_t>(place)} : std::nullopt;
 }
 
 std::vector<double> decimate(const TimeGrid& grid,

@@ -94,19 +94,19 @@ std::string trouble_list(const Words& words) {
 std::string report_page(std::span<const Log> logs, const PairMetrics& metrics) {
   const Run run = arrange(logs);
   const Words words = describe(metrics);
-  return fill(page::kTemplate, {{"headline", escape_html(words.headline)},
-                                {"verdict", words.troubles.empty() ? "clean" : "troubled"},
-                                {"subtitle", subtitle(logs)},
-                                {"story", story_text(words)},
-                                {"troubles", trouble_list(words)},
-                                {"figures", key_figures(metrics)},
-                                {"numbers", number_table(metrics)},
-                                {"metadata", metadata_table(run)},
-                                {"style", std::string{page::kStyle}},
-                                {"dygraphs_style", std::string{page::kDygraphsStyle}},
-                                {"dygraphs", std::string{page::kDygraphs}},
-                                {"script", std::string{page::kScript}},
-                                {"data", chart_data(run, metrics)}});
+  return fill(page::form, {{"headline", escape_html(words.headline)},
+                           {"verdict", words.troubles.empty() ? "clean" : "troubled"},
+                           {"subtitle", subtitle(logs)},
+                           {"story", story_text(words)},
+                           {"troubles", trouble_list(words)},
+                           {"figures", key_figures(metrics)},
+                           {"numbers", number_table(metrics)},
+                           {"metadata", metadata_table(run)},
+                           {"style", std::string{page::style}},
+                           {"dygraphs_style", std::string{page::dygraphs_style}},
+                           {"dygraphs", std::string{page::dygraphs}},
+                           {"script", std::string{page::script}},
+                           {"data", chart_data(run, metrics)}});
 }
 
 void write_report(const fs::path& file, std::span<const Log> logs, const PairMetrics& metrics) {

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
+#include "core/base/contract.hpp"
 #include "core/base/error.hpp"
 #include "core/reporting/tick.hpp"
 
@@ -31,12 +33,14 @@ std::optional<Tracking> tracking_of(std::span<const PairedTick> pairs, double ra
 /// The earliest turn is 0 s; of each side its own where their clocks cannot be compared.
 void set_begin(Run& run) {
   const bool together = run.master && run.slave && !run.slave->clock.unknown();
-  const double both = together ? std::min(begin_of(*run.master), begin_of(*run.slave)) : 0.0;
+  double earliest = std::numeric_limits<double>::infinity();
+  for (const Side* side : run.sides())
+    earliest = std::min(earliest, begin_of(*side));
   for (std::optional<Side>* side : {&run.master, &run.slave}) {
-    if (!*side) continue;
-    const double begin_s = together ? both : begin_of(**side);
-    (*side)->clock.begin_at(std::llround(1e9 * begin_s));
-    run.seconds = std::max(run.seconds, end_of(**side));
+    if (!side->has_value()) continue;
+    Side& there = side->value();
+    there.clock.begin_at(std::llround(1e9 * (together ? earliest : begin_of(there))));
+    run.seconds = std::max(run.seconds, end_of(there));
   }
 }
 
@@ -51,25 +55,44 @@ void sort_by_time(std::vector<Row>& rows) {
                    [](const Row& a, const Row& b) { return a.t_s < b.t_s; });
 }
 
-void add_pair(const Run& run, PairMetrics& out) {
-  const std::vector<PairedTick> pairs = pair_ticks(*run.master, *run.slave);
-  out.clocks_unknown = run.slave->clock.unknown();
-  out.clock_error_bound_us = run.slave->clock.error_bound_us();
-  out.tracking = tracking_of(pairs, out.master->nominal_rate_Hz);
-  out.rest_contact = contact_at_rest(*run.master->log, *run.slave->log, pairs);
-  const double begin = std::max(begin_of(*run.master), begin_of(*run.slave));
-  const double end = std::min(end_of(*run.master), end_of(*run.slave));
+void add_pair(const Side& master, const Side& slave, PairMetrics& out) {
+  const std::vector<PairedTick> pairs = pair_ticks(master, slave);
+  out.clocks_unknown = slave.clock.unknown();
+  out.clock_error_bound_us = slave.clock.error_bound_us();
+  out.tracking = tracking_of(pairs, nominal_rate(*master.log));
+  out.rest_contact = contact_at_rest(*master.log, *slave.log, pairs);
+  const double begin = std::max(begin_of(master), begin_of(slave));
+  const double end = std::min(end_of(master), end_of(slave));
   out.overlap_s = std::max(end - begin, 0.0);
-  const auto turns = std::count_if(run.master->log->ticks.begin(), run.master->log->ticks.end(),
-                                   [&](const TickRecord& record) {
-                                     const double t_s = run.master->clock.seconds(record.stamp_ns);
-                                     return begin <= t_s && t_s <= end;
-                                   });
+  const auto& ticks = master.log->ticks;
+  const auto turns = std::count_if(ticks.begin(), ticks.end(), [&](const TickRecord& record) {
+    const double t_s = master.clock.seconds(record.stamp_ns);
+    return begin <= t_s && t_s <= end;
+  });
   out.engaged_share =
       turns > 0 ? static_cast<double>(pairs.size()) / static_cast<double>(turns) : 0.0;
 }
 
+template <class Item>
+std::vector<const Item*> those_of(const std::optional<Item>& master,
+                                  const std::optional<Item>& slave) {
+  std::vector<const Item*> out;
+  if (master) out.push_back(&*master);
+  if (slave) out.push_back(&*slave);
+  return out;
+}
+
 }  // namespace
+
+std::vector<const Side*> Run::sides() const { return those_of(master, slave); }
+
+std::vector<const SideMetrics*> PairMetrics::sides() const { return those_of(master, slave); }
+
+const SideMetrics& PairMetrics::first() const {
+  const std::vector<const SideMetrics*> there = sides();
+  expects(!there.empty(), "metrics are of one side at least");
+  return *there.front();
+}
 
 Run arrange(std::span<const Log> logs) {
   if (logs.empty() || logs.size() > 2) {
@@ -101,10 +124,9 @@ PairMetrics measure(std::span<const Log> logs) {
   PairMetrics out;
   out.seconds = run.seconds;
   Samples pooled;
-  for (const std::optional<Side>* side : {&run.master, &run.slave}) {
-    if (!*side) continue;
-    const Samples samples = samples_of(*(*side)->log);
-    const SideMetrics metrics = side_metrics(**side, samples);
+  for (const Side* side : run.sides()) {
+    const Samples samples = samples_of(*side->log);
+    const SideMetrics metrics = side_metrics(*side, samples);
     pooled.append(samples);
     out.packets += metrics.packets;
     append(out.faults, metrics.faults);
@@ -116,7 +138,7 @@ PairMetrics measure(std::span<const Log> logs) {
   }
   sort_by_time(out.faults);
   sort_by_time(out.outages);
-  if (run.master && run.slave) add_pair(run, out);
+  if (run.master && run.slave) add_pair(*run.master, *run.slave, out);
   out.lateness_us = distribution(std::move(pooled.lateness_us));
   out.compute_us = distribution(std::move(pooled.compute_us));
   out.round_trip_us = distribution(std::move(pooled.round_trip_us));

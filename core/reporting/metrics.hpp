@@ -15,6 +15,8 @@ struct Run {
   std::optional<Side> master;
   std::optional<Side> slave;
   double seconds = 0.0;  ///< from the first turn of either side to the last
+
+  [[nodiscard]] std::vector<const Side*> sides() const;  ///< that are there, master first
 };
 
 /// @throws RecordingError: no log or more than two, two of one side, a log without turns or role.
@@ -47,8 +49,11 @@ struct PairMetrics {
   std::vector<Outage> outages;
   std::vector<LimitCount> limits;
 
+  [[nodiscard]] std::vector<const SideMetrics*> sides() const;  ///< that are there, master first
+
   /// The master's, or that of the only side.
-  [[nodiscard]] const SideMetrics& first() const { return master ? *master : *slave; }
+  /// @pre there is one.
+  [[nodiscard]] const SideMetrics& first() const;
 };
 
 /// @throws RecordingError as arrange(), and for metadata of the law that are no numbers.

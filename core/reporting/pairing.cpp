@@ -25,8 +25,9 @@ std::vector<double> numbers(const Log& log, const std::string& key, std::size_t 
   }
   std::istringstream in{text};
   std::vector<double> values;
-  for (double value = 0.0; in >> value;)
+  for (double value = 0.0; in >> value;) {
     values.push_back(value);
+  }
   if (!in.eof() || values.size() != count) {
     throw RecordingError{fmt::format("{}: metadata '{}' = '{}': must be {} number(s)",
                                      log.file.string(), key, entry->second, count)};
@@ -44,13 +45,14 @@ bool engaged_in(const TickRecord& record, std::uint32_t epoch) {
 class Follower {
  public:
   explicit Follower(const Side& side)
-      : side_{side}, longest_gap_s_{kLongestGapTurns / nominal_rate_Hz(*side.log)} {}
+      : side_{side}, longest_gap_s_{kLongestGapTurns / nominal_rate(*side.log)} {}
 
   /// The record at or before t, when the next one is there and not too far.
   [[nodiscard]] std::optional<std::size_t> before(double t) {
     const auto& ticks = side_.log->ticks;
-    while (index_ + 1 < ticks.size() && stamp(index_ + 1) <= t)
+    while (index_ + 1 < ticks.size() && stamp(index_ + 1) <= t) {
       ++index_;
+    }
     const bool inside = stamp(index_) <= t && index_ + 1 < ticks.size();
     if (!inside || stamp(index_ + 1) - stamp(index_) > longest_gap_s_) return {};
     return index_;
@@ -119,7 +121,7 @@ LawGeometry law_geometry(const Log& log) {
 
 std::vector<PairedTick> pair_ticks(const Side& master, const Side& slave) {
   std::vector<PairedTick> pairs;
-  const bool comparable = !slave.clock.unknown() && nominal_rate_Hz(*slave.log) > 0.0;
+  const bool comparable = !slave.clock.unknown() && nominal_rate(*slave.log) > 0.0;
   if (!comparable) return pairs;
   const LawGeometry law = law_geometry(*master.log);
   Follower follower{slave};
@@ -139,10 +141,10 @@ std::vector<PairedTick> pair_ticks(const Side& master, const Side& slave) {
 std::optional<RestContact> contact_at_rest(const Log& master,
                                            const Log& slave,
                                            std::span<const PairedTick> pairs) {
-  constexpr double kWindow_s = 0.1;
-  constexpr double kRest_m = 0.25e-3;
-  constexpr double kContact_N = 0.2;
-  const double longest_gap_s = kLongestGapTurns / nominal_rate_Hz(master);
+  constexpr double kWindow = 0.1;    // s
+  constexpr double kRest = 0.25e-3;  // m
+  constexpr double kContact = 0.2;   // N
+  const double longest_gap_s = kLongestGapTurns / nominal_rate(master);
 
   RestContact sum;
   double windows = 0.0;
@@ -150,9 +152,9 @@ std::optional<RestContact> contact_at_rest(const Log& master,
   for (const PairedTick& pair : pairs) {
     if (window.ticks > 0.0 && pair.t_s - window.end_s > longest_gap_s) window = {};
     window.add(master.ticks[pair.master], slave.ticks[pair.slave], pair.t_s);
-    if (pair.t_s - window.begin_s < kWindow_s) continue;
+    if (pair.t_s - window.begin_s < kWindow) continue;
     const double wall = (window.wall / window.ticks).norm();
-    if (window.measured && wall > kContact_N && window.at_rest(kRest_m)) {
+    if (window.measured && wall > kContact && window.at_rest(kRest)) {
       sum.seconds += window.end_s - window.begin_s;
       sum.hand_force_N += (window.hand / window.ticks).norm();
       sum.wall_force_N += wall;

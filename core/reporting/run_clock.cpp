@@ -7,7 +7,7 @@
 namespace teleop {
 namespace {
 
-constexpr std::int64_t kWindow_ns = 10'000'000'000;
+constexpr std::int64_t kWindow = 10'000'000'000;  // ns
 
 /// Smallest differences of a window; the unset value is far from any clock.
 struct Extremes {
@@ -40,16 +40,16 @@ RunClock RunClock::of_slave(const Log& master, const Log& slave) {
 
   std::map<std::int64_t, Extremes> windows;
   for_each_arrival(master, [&](std::int64_t received, std::int64_t sent) {
-    Extremes& window = windows[sent / kWindow_ns];
+    Extremes& window = windows[sent / kWindow];
     window.to_master = std::min(window.to_master, received - sent);
   });
   for_each_arrival(slave, [&](std::int64_t received, std::int64_t sent) {
-    Extremes& window = windows[received / kWindow_ns];
+    Extremes& window = windows[received / kWindow];
     window.to_slave = std::min(window.to_slave, received - sent);
   });
   for (const auto& [index, window] : windows) {
     if (window.to_master == Extremes::kUnset || window.to_slave == Extremes::kUnset) continue;
-    clock.nodes_.push_back({.stamp_ns = index * kWindow_ns + kWindow_ns / 2,
+    clock.nodes_.push_back({.stamp_ns = index * kWindow + kWindow / 2,
                             .offset_ns = (window.to_master - window.to_slave) / 2});
     const auto round_trip = static_cast<double>(window.to_master + window.to_slave);
     clock.error_bound_us_ = std::max(clock.error_bound_us_, 0.5e-3 * round_trip);

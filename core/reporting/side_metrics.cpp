@@ -12,7 +12,7 @@ namespace teleop {
 namespace {
 
 /// Silence at the very end of a log is the other side closing down, unless it lasts longer.
-constexpr double kClosing_s = 0.5;
+constexpr double kClosing = 0.5;  // s
 
 const FaultText* text_of(int code) {
   for (const FaultText& row : fault_table()) {
@@ -46,7 +46,7 @@ void measure_turns(const Log& log, const Samples& samples, SideMetrics& out) {
   out.ticks = std::max(last.tick - first.tick + 1, recorded);
   out.dropped_records = out.ticks - recorded;
   out.seconds = 1e-9 * static_cast<double>(last.stamp_ns - first.stamp_ns);
-  out.nominal_rate_Hz = nominal_rate_Hz(log);
+  out.nominal_rate_Hz = nominal_rate(log);
   if (out.seconds > 0.0) {
     out.rate_Hz = static_cast<double>(out.ticks - 1) / out.seconds;
     const double fitting = std::round(out.seconds * out.nominal_rate_Hz) + 1.0;
@@ -162,7 +162,7 @@ void list_outages(const Side& side, SideMetrics& out) {
   }
   if (!silent) return;
   end_with(side.log->ticks.back(), false);
-  if (out.outages.back().length_s < kClosing_s) out.outages.pop_back();
+  if (out.outages.back().length_s < kClosing) out.outages.pop_back();
 }
 
 }  // namespace

@@ -70,9 +70,8 @@ Json spread_data(const Run& run, const PairMetrics& metrics) {
   std::vector<std::pair<Role, std::vector<double>>> lateness;
   std::vector<std::pair<Role, std::vector<double>>> round_trip;
   std::vector<std::pair<Role, std::vector<double>>> age;
-  for (const auto* side : {&run.master, &run.slave}) {
-    if (!*side) continue;
-    const Log& log = *(*side)->log;
+  for (const Side* side : run.sides()) {
+    const Log& log = *side->log;
     const Role role = role_of(log);
     Samples samples = samples_of(log);
     lateness.emplace_back(role, std::move(samples.lateness_us));

@@ -1,6 +1,5 @@
 #include "core/reporting/tables.hpp"
 
-#include <array>
 #include <functional>
 #include <set>
 
@@ -47,8 +46,8 @@ class Table {
  public:
   explicit Table(const PairMetrics& metrics) : metrics_{metrics} {
     out_ = "<table class=\"numbers\">\n<thead><tr><th></th>";
-    for (const auto* side : sides()) {
-      if (*side) out_ += fmt::format("<th>{}</th>", name_of((*side)->role));
+    for (const SideMetrics* side : metrics.sides()) {
+      out_ += fmt::format("<th>{}</th>", name_of(side->role));
     }
     out_ += "</tr></thead>\n";
   }
@@ -59,8 +58,8 @@ class Table {
 
   void row(const char* title, const Cell& cell) {
     out_ += fmt::format("<tr><th>{}</th>", title);
-    for (const auto* side : sides()) {
-      if (*side) out_ += fmt::format("<td>{}</td>", cell(**side));
+    for (const SideMetrics* side : metrics_.sides()) {
+      out_ += fmt::format("<td>{}</td>", cell(*side));
     }
     out_ += "</tr>\n";
   }
@@ -82,10 +81,6 @@ class Table {
   [[nodiscard]] std::string text() const { return out_ + "</table>"; }
 
  private:
-  [[nodiscard]] std::array<const std::optional<SideMetrics>*, 2> sides() const {
-    return {&metrics_.master, &metrics_.slave};
-  }
-
   const PairMetrics& metrics_;
   std::string out_;
 };
@@ -206,10 +201,10 @@ std::string number_table(const PairMetrics& metrics) {
 
 std::string metadata_table(const Run& run) {
   std::set<std::string> keys;
-  for (const auto* side : {&run.master, &run.slave}) {
-    if (!*side) continue;
-    for (const auto& [key, value] : (*side)->log->metadata)
+  for (const Side* side : run.sides()) {
+    for (const auto& [key, value] : side->log->metadata) {
       keys.insert(key);
+    }
   }
   const bool pair = run.master && run.slave;
   std::string out = "<table class=\"metadata\">\n";

@@ -24,7 +24,7 @@ Role role_of(const Log& log) {
                   log.file.string())};
 }
 
-double nominal_rate_Hz(const Log& log) {
+double nominal_rate(const Log& log) {
   if (const auto rate = log.metadata.find("rate_Hz"); rate != log.metadata.end()) {
     const std::string& text = rate->second;
     double value = 0.0;

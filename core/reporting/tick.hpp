@@ -26,8 +26,8 @@ namespace teleop {
 /// @throws RecordingError unless metadata "role" is "master" or "slave".
 [[nodiscard]] Role role_of(const Log& log);
 
-/// Turns a second that the loop was asked for: metadata "rate_Hz", or where it is missing the
+/// Turns a second that the loop was asked for, Hz: metadata "rate_Hz", or where it is missing the
 /// inverse of the median recorded turn. 0 when neither says.
-[[nodiscard]] double nominal_rate_Hz(const Log& log);
+[[nodiscard]] double nominal_rate(const Log& log);
 
 }  // namespace teleop

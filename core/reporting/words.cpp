@@ -13,7 +13,7 @@ namespace {
 /// More rows of one kind than this are told as a number.
 constexpr std::size_t kRowsTold = 5;
 /// Energy below this is rounding and quantisation, not the law.
-constexpr double kNoticeable_J = 1e-3;
+constexpr double kNoticeable = 1e-3;  // J
 constexpr double kNominalShare = 0.99;
 
 /// "1 turn", "2 turns".
@@ -24,7 +24,7 @@ std::string counted(std::uint64_t count, std::string_view noun) {
 std::string time_text(double seconds) {
   if (seconds < 1.0) return fmt::format("{:.0f} ms", 1e3 * seconds);
   if (seconds < 120.0) return fmt::format("{:.1f} s", seconds);
-  const auto whole = static_cast<long>(std::lround(seconds));
+  const long whole = std::lround(seconds);
   return fmt::format("{} min {} s", whole / 60, whole % 60);
 }
 
@@ -85,8 +85,9 @@ std::string link_of(const PairMetrics& m) {
 
 std::string timing_of(const PairMetrics& m) {
   std::uint64_t late = 0;
-  for (const auto* side : {&m.master, &m.slave})
-    late += *side ? (*side)->late_turns : 0;
+  for (const SideMetrics* side : m.sides()) {
+    late += side->late_turns;
+  }
   const double limit_ms = 100.0 / std::max(m.first().nominal_rate_Hz, 1e-9);
   const std::string how_many =
       late == 0 ? fmt::format("No turn began more than {:.3g} ms late", limit_ms)
@@ -123,8 +124,9 @@ std::vector<std::string> story_of(const PairMetrics& m) {
 template <class Row, class Text>
 void tell(const std::vector<Row>& rows, std::string_view noun, Text&& text, Words& words) {
   const std::size_t told = std::min(rows.size(), kRowsTold);
-  for (std::size_t i = 0; i < told; ++i)
+  for (std::size_t i = 0; i < told; ++i) {
     words.troubles.push_back(text(rows[i]));
+  }
   if (rows.size() > told) {
     words.troubles.push_back(fmt::format("And {} more.", counted(rows.size() - told, noun)));
   }
@@ -172,8 +174,11 @@ void tell_pair(const PairMetrics& m, Words& words) {
     words.troubles.emplace_back(
         "The two logs do not overlap in time; they may be of different runs.");
   }
-  const double net = m.master->coupling_energy_J + m.slave->coupling_energy_J;
-  if (net > kNoticeable_J) {
+  double net = 0.0;
+  for (const SideMetrics* side : m.sides()) {
+    net += side->coupling_energy_J;
+  }
+  if (net > kNoticeable) {
     words.troubles.push_back(fmt::format(
         "The coupling gave {:.3g} J more to the tools than it took from them: it was not passive.",
         net));
@@ -203,10 +208,10 @@ Words describe(const PairMetrics& metrics) {
   words.story = story_of(metrics);
   tell(metrics.faults, "fault", fault_text, words);
   tell(metrics.outages, "outage", outage_text, words);
-  for (const auto* side : {&metrics.master, &metrics.slave}) {
-    if (*side) tell_side(**side, words);
+  for (const SideMetrics* side : metrics.sides()) {
+    tell_side(*side, words);
   }
-  if (metrics.master && metrics.slave) tell_pair(metrics, words);
+  if (metrics.sides().size() == 2) tell_pair(metrics, words);
   words.headline = headline_of(metrics, words);
   return words;
 }

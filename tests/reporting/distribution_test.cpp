@@ -43,8 +43,9 @@ TEST(Distribution, HasTheStatedShareAtOrBelowEveryPercentile) {
   Random random{3};
   for (std::size_t n = 1; n < 200; ++n) {
     std::vector<double> values(n);
-    for (double& value : values)
+    for (double& value : values) {
       value = random.normal();
+    }
     const Distribution d = distribution(values);
     const auto share = [&](double limit) {
       const auto below = std::count_if(values.begin(), values.end(),

@@ -55,16 +55,18 @@ json data_of(const std::string& page) {
 
 std::size_t count(const std::string& text, const std::string& part) {
   std::size_t n = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
     ++n;
+  }
   return n;
 }
 
 std::map<std::string, std::vector<std::string>> labels_of(const json& data) {
   std::map<std::string, std::vector<std::string>> labels;
   for (const json& chart : data["charts"]) {
-    for (const json& series : chart["series"])
+    for (const json& series : chart["series"]) {
       labels[chart["id"]].push_back(series["label"]);
+    }
   }
   return labels;
 }
@@ -85,7 +87,7 @@ TEST(ReportPage, NeedsNothingButItself) {
 TEST(ReportPage, ClosesWhatItOpensAndFillsEveryPlace) {
   const std::string page = page_of(a_pair());
   EXPECT_EQ(page.rfind("<!doctype html>", 0), 0U);
-  const std::string form{page::kTemplate};
+  const std::string form{page::form};
   for (std::size_t at = form.find("{{"); at != std::string::npos; at = form.find("{{", at + 2)) {
     const std::string place = form.substr(at, form.find("}}", at) + 2 - at);
     EXPECT_EQ(page.find(place), std::string::npos) << place;
@@ -121,8 +123,9 @@ TEST(ReportPage, HasEverySeriesOfBothSides) {
   for (const json& histogram : data["histograms"]) {
     ASSERT_EQ(histogram["series"].size(), 2U) << histogram["title"];
     std::uint64_t counted = 0;
-    for (const json& n : histogram["series"][0]["counts"])
+    for (const json& n : histogram["series"][0]["counts"]) {
       counted += n.get<std::uint64_t>();
+    }
     EXPECT_GT(counted, 0U);
   }
 }
@@ -132,8 +135,9 @@ TEST(ReportPage, GivesEverySeriesTwoPointsABucketAndMarksModesLimitsAndFaults) {
   const std::size_t buckets = data["buckets"];
   EXPECT_EQ(buckets, 1001U);
   for (const json& chart : data["charts"]) {
-    for (const json& series : chart["series"])
+    for (const json& series : chart["series"]) {
       EXPECT_EQ(series["values"].size(), 2 * buckets);
+    }
   }
   ASSERT_EQ(data["modes"]["slave"].size(), 2U);
   EXPECT_EQ(data["modes"]["slave"][0][2], 2);

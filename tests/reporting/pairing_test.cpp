@@ -47,8 +47,9 @@ TEST(Tracking, ComparesEqualTimesWhereStampsAndRatesDiffer) {
   ASSERT_GT(pairs.size(), 1900U);
   // Linear interpolation: a (2 π f)² dt² / 8.
   const double bound = 0.05 * 4.0 * kPi * kPi / (730.0 * 730.0) / 8.0;
-  for (const PairedTick& pair : pairs)
+  for (const PairedTick& pair : pairs) {
     EXPECT_LE(pair.error.norm(), 1.01 * bound);
+  }
 }
 
 TEST(Tracking, TakesDisplacementsFromTheReferencesThroughScaleAndRotation) {
@@ -99,8 +100,9 @@ TEST(Tracking, CountsOnlyTurnsAtWhichBothAreEngagedInTheSameEpoch) {
   const auto pairs = pairs_of({master, slave});
 
   EXPECT_NEAR(static_cast<double>(pairs.size()), 400.0 + 350.0, 4.0);
-  for (const PairedTick& pair : pairs)
+  for (const PairedTick& pair : pairs) {
     EXPECT_EQ(pair.error.norm(), 0.0);
+  }
 }
 
 TEST(Tracking, IsAbsentAcrossAHoleInTheRecording) {
@@ -110,8 +112,9 @@ TEST(Tracking, IsAbsentAcrossAHoleInTheRecording) {
 
   const auto pairs = pairs_of({master, slave});
 
-  for (const PairedTick& pair : pairs)
+  for (const PairedTick& pair : pairs) {
     EXPECT_FALSE(0.3 < pair.t_s && pair.t_s < 0.4985) << pair.t_s;
+  }
 }
 
 TEST(Tracking, RefusesALawThatIsNoNumbers) {
@@ -174,8 +177,9 @@ TEST(Tracking, OnTwoMachinesFindsTheClocksOffsetAndDriftFromThePackets) {
 TEST(Tracking, OnTwoMachinesThatNeverHeardEachOtherIsAbsent) {
   TwoMachines machines;
   for (Log& log : machines.logs) {
-    for (TickRecord& record : log.ticks)
+    for (TickRecord& record : log.ticks) {
       record.peer_session = 0;
+    }
   }
   const PairMetrics metrics = measure(machines.logs);
   EXPECT_FALSE(metrics.tracking);
@@ -209,8 +213,9 @@ TEST(RestContact, IsHandOverWallWhileBothRest) {
 TEST(RestContact, IsAbsentInFreeMotionAndWhereNothingIsMeasured) {
   EXPECT_FALSE(measure(pressing(0.1, 0.1)).rest_contact);
   std::vector<Log> blind = pressing(2.0, 2.0);
-  for (TickRecord& record : blind[0].ticks)
+  for (TickRecord& record : blind[0].ticks) {
     record.arm_flags = 0;
+  }
   EXPECT_FALSE(measure(blind).rest_contact);
 }
 

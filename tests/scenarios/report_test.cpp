@@ -30,8 +30,9 @@ std::vector<std::string> record_pair(const TemporaryFolder& folder) {
     const Log log = log_of({.role = role, .seconds = 0.5, .position = testing::sine(0.05, 1.0)});
     const fs::path file = folder.path() / log.file;
     LogWriter writer{{.file = file, .role = role, .metadata = log.metadata}};
-    for (const TickRecord& record : log.ticks)
+    for (const TickRecord& record : log.ticks) {
       writer.append(record);
+    }
     writer.close({});
     files.push_back(file.string());
   }
