@@ -25,6 +25,9 @@ struct BenchRow {
 /// @throws ConfigError when the file cannot be written.
 void report_rows(const std::vector<BenchRow>& rows, const BenchOptions& options);
 
+/// @pre there is a value.
+[[nodiscard]] double median(std::vector<double> values);
+
 /// Each measures, reports its rows and returns an exit code.
 [[nodiscard]] int bench_link(const BenchOptions& options);
 [[nodiscard]] int bench_loop(const BenchOptions& options);

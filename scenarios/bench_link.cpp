@@ -146,12 +146,6 @@ Block run_block(Pair& pair, const LinkBenchOptions& options, std::vector<std::st
   return summarise(round_trips_us);
 }
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
-}
-
 BenchRow row_of(const std::string& id,
                 const std::vector<Block>& ours,
                 const std::vector<Block>& peer,

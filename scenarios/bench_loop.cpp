@@ -10,7 +10,6 @@
 
 #include "core/base/error.hpp"
 #include "core/device/device.hpp"
-#include "core/realtime/histogram.hpp"
 #include "core/realtime/loop.hpp"
 #include "core/realtime/scheduling.hpp"
 #include "core/simulation/network.hpp"
@@ -35,24 +34,25 @@ Lateness run_ours(double length_s) {
   const ArmModel model = load_arm(arm->info().model);
   SilentLink link;
   Station station{StationConfig{}, Role::master, model, {*arm, link, clock}};
-  auto histogram = std::make_unique<std::vector<float>>();
-  histogram->reserve(static_cast<std::size_t>(length_s * 1100.0));
+  std::vector<double> lateness_us;
+  lateness_us.reserve(static_cast<std::size_t>(length_s * 1100.0));
   std::vector<std::string> refused;
   std::thread loop{[&] {
     refused = prepare_thread(kAsked);
     const auto turns = static_cast<std::uint64_t>(length_s * 1000.0);
     run_periodically(clock, std::chrono::milliseconds{1}, [&](const Tick& tick) noexcept {
       (void)station.step(tick);
-      histogram->push_back(static_cast<float>(1e6 * seconds(tick.lateness())));
+      lateness_us.push_back(1e6 * seconds(tick.lateness()));
       return tick.index + 1 >= turns ? Next::stop : Next::again;
     });
     station.stop();
   }};
   loop.join();
-  for (const std::string& line : refused) std::fprintf(stderr, "real time: %s\n", line.c_str());
-  std::sort(histogram->begin(), histogram->end());
+  for (const std::string& line : refused)
+    std::fprintf(stderr, "real time: %s\n", line.c_str());
+  std::sort(lateness_us.begin(), lateness_us.end());
   const auto at = [&](double q) {
-    return static_cast<double>((*histogram)[static_cast<std::size_t>(q * static_cast<double>(histogram->size() - 1))]);
+    return lateness_us[static_cast<std::size_t>(q * static_cast<double>(lateness_us.size() - 1))];
   };
   return {.p50_us = at(0.5), .p90_us = at(0.9)};
 }
@@ -60,10 +60,10 @@ Lateness run_ours(double length_s) {
 /// cyclictest at the same priority on the same core: its histogram has buckets of 1 µs; a figure is
 /// interpolated within its bucket.
 Lateness run_cyclictest(double length_s) {
-  const std::string command =
-      fmt::format("cyclictest --quiet --mlockall --threads=1 --affinity={} --priority={} --interval=1000 "
-                  "--loops={} --histogram=5000 2>/dev/null",
-                  kAsked.core, kAsked.priority, static_cast<long>(length_s * 1000.0));
+  const std::string command = fmt::format(
+      "cyclictest --quiet --mlockall --threads=1 --affinity={} --priority={} --interval=1000 "
+      "--loops={} --histogram=5000 2>/dev/null",
+      kAsked.core, kAsked.priority, static_cast<long>(length_s * 1000.0));
   // NOLINTNEXTLINE(cert-env33-c): a fixed program of a Debian package, no input in its command line
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> pipe{popen(command.c_str(), "r"), pclose};
   if (!pipe) throw ConfigError{"cyclictest cannot be started"};
@@ -78,9 +78,12 @@ Lateness run_cyclictest(double length_s) {
     counts[us] = count;
   }
   double total = 0.0;
-  for (const double count : counts) total += count;
+  for (const double count : counts)
+    total += count;
   if (total == 0.0) {
-    throw ConfigError{"cyclictest gave no figures: install the package rt-tests, and run with the right to SCHED_FIFO"};
+    throw ConfigError{
+        "cyclictest gave no figures: install the package rt-tests, and run with the right to "
+        "SCHED_FIFO"};
   }
   const auto at = [&](double q) {
     double sum = 0.0;
@@ -95,16 +98,11 @@ Lateness run_cyclictest(double length_s) {
   return {.p50_us = at(0.5), .p90_us = at(0.9)};
 }
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
-}
-
 }  // namespace
 
 int bench_loop(const BenchOptions& options) {
-  for (const std::string& line : prepare_process()) std::fprintf(stderr, "real time: %s\n", line.c_str());
+  for (const std::string& line : prepare_process())
+    std::fprintf(stderr, "real time: %s\n", line.c_str());
   const auto pairs = std::max(1, static_cast<int>(options.seconds / (2.0 * kBlock_s)));
   const double block_s = std::min(kBlock_s, options.seconds / 2.0);
   std::vector<double> p50;
@@ -114,8 +112,9 @@ int bench_loop(const BenchOptions& options) {
   for (int i = 0; i < pairs; ++i) {
     ours = run_ours(block_s);
     peer = run_cyclictest(block_s);
-    std::fprintf(stderr, "block %d of %d: ours p50 %.1f p90 %.1f us, cyclictest p50 %.1f p90 %.1f us\n", i + 1,
-                 pairs, ours.p50_us, ours.p90_us, peer.p50_us, peer.p90_us);
+    std::fprintf(stderr,
+                 "block %d of %d: ours p50 %.1f p90 %.1f us, cyclictest p50 %.1f p90 %.1f us\n",
+                 i + 1, pairs, ours.p50_us, ours.p90_us, peer.p50_us, peer.p90_us);
     p50.push_back(ours.p50_us / peer.p50_us);
     p90.push_back(ours.p90_us / peer.p90_us);
   }

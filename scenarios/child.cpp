@@ -56,7 +56,8 @@ Child::Child(std::string name, const std::vector<std::string>& command) : name_{
   std::vector<std::string> words = command;
   std::vector<char*> arguments;
   arguments.reserve(words.size() + 1);
-  for (std::string& word : words) arguments.push_back(word.data());
+  for (std::string& word : words)
+    arguments.push_back(word.data());
   arguments.push_back(nullptr);
 
   const Attributes attributes;
@@ -107,7 +108,8 @@ std::optional<std::string> Child::newest_line() {
   while (read_more(0)) {
   }
   std::optional<std::string> newest;
-  while (buffer_.find('\n') != std::string::npos) newest = next_line(0);
+  while (buffer_.find('\n') != std::string::npos)
+    newest = next_line(0);
   return newest;
 }
 

@@ -33,8 +33,8 @@ constexpr int kStart_ms = 5000;
 constexpr int kEnd_ms = 5000;
 
 std::vector<std::string> common_arguments(const LoopbackOptions& options, const fs::path& out) {
-  std::vector<std::string> arguments{"--status_json", "true", "--out", out.string(), "--seed",
-                                     std::to_string(options.seed)};
+  std::vector<std::string> arguments{"--status_json", "true",   "--out",
+                                     out.string(),    "--seed", std::to_string(options.seed)};
   for (const std::string& file : options.configs) {
     arguments.insert(arguments.end(), {"--config", file});
   }
@@ -43,7 +43,8 @@ std::vector<std::string> common_arguments(const LoopbackOptions& options, const 
     if (equals == std::string::npos) {
       throw ConfigError{fmt::format("--set {}: must be KEY=VALUE", setting)};
     }
-    arguments.insert(arguments.end(), {"--" + setting.substr(0, equals), setting.substr(equals + 1)});
+    arguments.insert(arguments.end(),
+                     {"--" + setting.substr(0, equals), setting.substr(equals + 1)});
   }
   return arguments;
 }
@@ -92,15 +93,16 @@ std::string address_of(Child& child, int& failed) {
 
 void show_live(const json& master, const json& slave, double seconds) {
   if (isatty(STDERR_FILENO) == 0) return;
-  std::fprintf(stderr, "\r\033[K%s",
-               fmt::format("{:6.1f} s  master {:<8} slave {:<8}  error {:6.2f} mm  force {:5.2f} N  rtt {:4.0f} us  "
-                           "late p99 {:4.0f}/{:.0f} us  lost {}",
-                           seconds, master.value("mode", "?"), slave.value("mode", "?"),
-                           master.value("error_mm", 0.0), master.value("force_N", 0.0),
-                           master.value("rtt_us", 0.0), master.value("lateness_p99_us", 0.0),
-                           slave.value("lateness_p99_us", 0.0),
-                           master.value("lost", 0) + slave.value("lost", 0))
-                   .c_str());
+  std::fprintf(
+      stderr, "\r\033[K%s",
+      fmt::format(
+          "{:6.1f} s  master {:<8} slave {:<8}  error {:6.2f} mm  force {:5.2f} N  rtt {:4.0f} us  "
+          "late p99 {:4.0f}/{:.0f} us  lost {}",
+          seconds, master.value("mode", "?"), slave.value("mode", "?"),
+          master.value("error_mm", 0.0), master.value("force_N", 0.0), master.value("rtt_us", 0.0),
+          master.value("lateness_p99_us", 0.0), slave.value("lateness_p99_us", 0.0),
+          master.value("lost", 0) + slave.value("lost", 0))
+          .c_str());
 }
 
 /// Runs both until the time is over, one of them ends, or somebody wants to stop.
@@ -128,16 +130,20 @@ int run_loopback(const LoopbackOptions& options) {
 
   int failed = 0;
   const bool two_cores = std::thread::hardware_concurrency() >= 2;
-  const auto slave = start("slave",
-                           {"--device", options.slave, "--environment", options.environment, "--hand", "none",
-                            "--link.bind", "127.0.0.1:0", "--loop.core", two_cores ? "1" : "-1"},
-                           common);
+  const std::string master_core = two_cores ? "0" : "-1";
+  const std::string slave_core = two_cores ? "1" : "-1";
+  const auto slave = start(
+      "slave",
+      {"--device", options.slave, "--environment", options.environment, "--hand", "none",
+       "--link.bind", "127.0.0.1:0", "--loop.core", slave_core, "--link.receive.core", slave_core},
+      common);
   const std::string address = address_of(*slave, failed);
   if (failed != 0) return failed;
-  const auto master = start("master",
-                            {"--device", options.master, "--hand", hand_of(options), "--link.peer", address,
-                             "--loop.core", two_cores ? "0" : "-1"},
-                            common);
+  const auto master =
+      start("master",
+            {"--device", options.master, "--hand", hand_of(options), "--link.peer", address,
+             "--loop.core", master_core, "--link.receive.core", master_core},
+            common);
   (void)address_of(*master, failed);
   if (failed != 0) return failed;
 

@@ -10,14 +10,14 @@ namespace teleop {
 /// What `teleop loopback` can be told.
 struct LoopbackOptions {
   double seconds = 10.0;
-  std::string master = "sim";                ///< device of the master
-  std::string slave = "sim";                 ///< device of the slave
-  std::string hand;                          ///< trace file, "reach", "press" or "none"; empty: as fits
-  std::string environment = "free";          ///< free, soft or wall
-  std::filesystem::path out;                 ///< folder of recordings and report; empty: a new one
-  std::filesystem::path json;                ///< summary for scripts; empty: none
-  std::vector<std::string> configs;          ///< TOML files for both sides
-  std::vector<std::string> settings;         ///< KEY=VALUE for both sides
+  std::string master = "sim";         ///< device of the master
+  std::string slave = "sim";          ///< device of the slave
+  std::string hand;                   ///< trace file, "reach", "press" or "none"; empty: as fits
+  std::string environment = "free";   ///< free, soft or wall
+  std::filesystem::path out;          ///< folder of recordings and report; empty: a new one
+  std::filesystem::path json;         ///< summary for scripts; empty: none
+  std::vector<std::string> configs;   ///< TOML files for both sides
+  std::vector<std::string> settings;  ///< KEY=VALUE for both sides
   std::uint64_t seed = 1;
   bool report = true;
 };

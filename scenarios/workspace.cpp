@@ -127,7 +127,7 @@ bool draw(const ArmModel& arm, const WorkspaceMap& map, const fs::path& where) {
 }  // namespace
 
 int run_workspace(const WorkspaceOptions& options) {
-  if (!(options.step_mm >= 0.5 && options.step_mm <= 50.0)) {
+  if (!std::isfinite(options.step_mm) || options.step_mm < 0.5 || options.step_mm > 50.0) {
     throw ConfigError{fmt::format("--step-mm {}: must be between 0.5 and 50", options.step_mm)};
   }
   const ArmModel arm = load_arm(options.arm);

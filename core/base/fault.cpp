@@ -21,7 +21,8 @@ constexpr std::array kTable{
     FaultText{104, "device_torque", "the device cut the torque further"},
     FaultText{105, "overrun", "the previous turn of the loop ran past its period"},
     FaultText{106, "peer_silent", "no fresh packet from the peer within the timeout"},
-    FaultText{107, "record_dropped", "the recording ring was full and a tick is missing in the log"},
+    FaultText{107, "record_dropped",
+              "the recording ring was full and a tick is missing in the log"},
     FaultText{108, "workspace", "the tool is outside the declared workspace"},
 };
 

@@ -10,28 +10,28 @@ namespace teleop {
 /// amplifiers off. docs/faults.md has a row each. The numbers are part of the log format.
 enum class Fault : std::uint8_t {
   none = 0,
-  device_unplugged = 1,        ///< the device no longer answers
-  encoder_frozen = 2,          ///< counts stand still although torque should move the arm
-  state_not_finite = 3,        ///< the device or a computation delivered NaN or infinity
-  device_watchdog = 4,         ///< the device dropped its torque because writes came too late
-  joint_speed_exceeded = 5,    ///< faster than the arm can be: a sensing fault or a runaway
-  encoder_jump = 6,            ///< counts moved further in one tick than the arm can
-  recording_failed = 50,       ///< shown and recorded; the loop goes on
-  peer_faulted = 51,           ///< the other side is in `faulted`; this side holds
+  device_unplugged = 1,      ///< the device no longer answers
+  encoder_frozen = 2,        ///< counts stand still although torque should move the arm
+  state_not_finite = 3,      ///< the device or a computation delivered NaN or infinity
+  device_watchdog = 4,       ///< the device dropped its torque because writes came too late
+  joint_speed_exceeded = 5,  ///< faster than the arm can be: a sensing fault or a runaway
+  encoder_jump = 6,          ///< counts moved further in one tick than the arm can
+  recording_failed = 50,     ///< shown and recorded; the loop goes on
+  peer_faulted = 51,         ///< the other side is in `faulted`; this side holds
 };
 
 /// What a tick was cut to, or how it departed from the ideal. Bits of TickRecord::limits; the
 /// recorded code is 100 + bit number.
 enum class Limit : std::uint8_t {
-  force = 0,            ///< 100: tool force cut, direction kept
-  torque = 1,           ///< 101: joint torque cut, direction kept
-  slew = 2,             ///< 102: torque change per tick cut, direction kept
-  joint_range = 3,      ///< 103: at or beyond a joint or coupled limit
-  device_torque = 4,    ///< 104: the device cut the torque further
-  overrun = 5,          ///< 105: the previous turn ran past its period
-  peer_silent = 6,      ///< 106: no fresh packet within the timeout
-  record_dropped = 7,   ///< 107: the recording ring was full, a tick is missing in the log
-  workspace = 8,        ///< 108: tool outside the declared workspace
+  force = 0,           ///< 100: tool force cut, direction kept
+  torque = 1,          ///< 101: joint torque cut, direction kept
+  slew = 2,            ///< 102: torque change per tick cut, direction kept
+  joint_range = 3,     ///< 103: at or beyond a joint or coupled limit
+  device_torque = 4,   ///< 104: the device cut the torque further
+  overrun = 5,         ///< 105: the previous turn ran past its period
+  peer_silent = 6,     ///< 106: no fresh packet within the timeout
+  record_dropped = 7,  ///< 107: the recording ring was full, a tick is missing in the log
+  workspace = 8,       ///< 108: tool outside the declared workspace
 };
 
 /// One bit a Limit.

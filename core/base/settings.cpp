@@ -24,8 +24,9 @@ std::string place_of(const toml::node& node, const std::string& name) {
 
 std::string range_text(const Range& range) {
   if (std::isinf(range.high)) {
-    return range.low == 0.0 ? "0 or more" : range.low < 1e-300 ? "more than 0"
-                                          : fmt::format("at least {}", range.low);
+    return range.low == 0.0     ? "0 or more"
+           : range.low < 1e-300 ? "more than 0"
+                                : fmt::format("at least {}", range.low);
   }
   if (std::isinf(range.low)) return fmt::format("at most {}", range.high);
   return fmt::format("between {} and {}", range.low, range.high);
@@ -68,7 +69,8 @@ class Store {
     const toml::array* array = node_.as_array();
     if (array == nullptr || array->size() != 3) wrong_type(setting_, place_, "a list of 3 numbers");
     std::array<double, 3> values{};
-    for (std::size_t i = 0; i < 3; ++i) values.at(i) = real((*array)[i]);
+    for (std::size_t i = 0; i < 3; ++i)
+      values.at(i) = real((*array)[i]);
     *target = values;
   }
 
@@ -93,7 +95,8 @@ class Store {
 /// The closest known key, for a mistyped one.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j < row.size(); ++j) row[j] = j;
+  for (std::size_t j = 0; j < row.size(); ++j)
+    row[j] = j;
   for (std::size_t i = 0; i < a.size(); ++i) {
     std::size_t diagonal = row[0]++;
     for (std::size_t j = 0; j < b.size(); ++j) {
@@ -175,13 +178,14 @@ void Settings::load_text(std::string_view text, const std::string& name) {
   try {
     root = toml::parse(text, name);
   } catch (const toml::parse_error& error) {
-    throw ConfigError{fmt::format("{}:{}: not TOML: {}", name, error.source().begin.line,
-                                  error.description())};
+    throw ConfigError{
+        fmt::format("{}:{}: not TOML: {}", name, error.source().begin.line, error.description())};
   }
   const auto walk = [&](const auto& self, const toml::table& table,
                         const std::string& prefix) -> void {
     for (const auto& [key, node] : table) {
-      const std::string full = prefix.empty() ? std::string{key.str()} : prefix + '.' + std::string{key.str()};
+      const std::string full =
+          prefix.empty() ? std::string{key.str()} : prefix + '.' + std::string{key.str()};
       if (const toml::table* inner = node.as_table()) {
         self(self, *inner, full);
         continue;

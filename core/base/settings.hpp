@@ -23,10 +23,10 @@ inline constexpr Range kPositive{.low = std::numeric_limits<double>::min()};
 
 /// One named value of a configuration, bound to the variable that it sets.
 struct Setting {
-  using Target = std::variant<bool*, int*, std::uint64_t*, double*, std::string*,
-                              std::array<double, 3>*>;
-  std::string key;     ///< dotted, with the unit in the name: "law.stiffness_N_per_m"
-  std::string text;    ///< what it is, one line, for --help and --print-config
+  using Target =
+      std::variant<bool*, int*, std::uint64_t*, double*, std::string*, std::array<double, 3>*>;
+  std::string key;   ///< dotted, with the unit in the name: "law.stiffness_N_per_m"
+  std::string text;  ///< what it is, one line, for --help and --print-config
   Target target{};
   Range range{};
   std::string origin = "default";  ///< "default", "pair.toml:7", "command line"
@@ -70,7 +70,8 @@ class Settings {
 };
 
 /// The file `name` of the data folder (arms, plants, catalogue): in $TELEOP_DATA, beside the
-/// installed program, or in the source tree, in that order. A path that exists is returned as it is.
+/// installed program, or in the source tree, in that order. A path that exists is returned as it
+/// is.
 /// @throws ConfigError when it is nowhere, naming the places looked at.
 [[nodiscard]] std::filesystem::path data_file(const std::filesystem::path& name);
 

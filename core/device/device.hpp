@@ -23,6 +23,7 @@ struct DeviceContext {
 ///     sim:PLANT       the same with a plant file or the name of a shipped plant
 ///
 /// @throws DeviceError for a kind that does not exist, ConfigError for bad files.
-[[nodiscard]] std::unique_ptr<Arm> open_device(const std::string& name, const DeviceContext& context);
+[[nodiscard]] std::unique_ptr<Arm> open_device(const std::string& name,
+                                               const DeviceContext& context);
 
 }  // namespace teleop

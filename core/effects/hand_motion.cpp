@@ -13,6 +13,7 @@ namespace {
 const double kKnot_s = seconds(kKnotPeriod);
 constexpr double kGrowthKnots = 1000.0;
 constexpr std::size_t kApproachKnots = 1000;
+const double kApproach_s = kKnot_s * static_cast<double>(kApproachKnots);
 constexpr double kShortestReach_s = 0.4;
 
 HandKnot point_between(const Vector3& from, const Vector3& to, double u, double duration) noexcept {
@@ -48,22 +49,23 @@ RepeatedMotion::RepeatedMotion(const Vector3& from, std::vector<HandKnot> loop)
   expects(!loop_.empty(), "a repeated motion has knots");
 }
 
-/// The path of least jerk to the loop's first knot, plus the one quintic that is zero but for the
-/// speed 1 at its end, so that the loop is entered at its own speed.
-HandKnot RepeatedMotion::approach(double u) const noexcept {
-  constexpr double kDuration_s = 1.0;
-  HandKnot knot = point_between(from_, loop_.front().p, u, kDuration_s);
-  const double late = u * u * u * (-4.0 + u * (7.0 - 3.0 * u));
-  const double late_rate = u * u * (-12.0 + u * (28.0 - 15.0 * u));
-  knot.p += late * kDuration_s * loop_.front().v;
-  knot.v += late_rate * loop_.front().v;
+/// The path of least jerk to the loop's first knot, and in its last kEntry_s the one quintic that
+/// is zero but for the speed 1 at its end, so that the loop is entered at its own speed.
+HandKnot RepeatedMotion::approach(double t) const noexcept {
+  constexpr double kEntry_s = 0.2;
+  HandKnot knot = point_between(from_, loop_.front().p, t / kApproach_s, kApproach_s);
+  const double u = std::max(0.0, 1.0 - (kApproach_s - t) / kEntry_s);
+  const double entry = u * u * u * (-4.0 + u * (7.0 - 3.0 * u));
+  const double entry_rate = u * u * (-12.0 + u * (28.0 - 15.0 * u));
+  knot.p += entry * kEntry_s * loop_.front().v;
+  knot.v += entry_rate * loop_.front().v;
   return knot;
 }
 
 HandKnot RepeatedMotion::next() noexcept {
   const std::size_t knot = knot_++;
   if (knot < kApproachKnots) {
-    return approach(static_cast<double>(knot) / static_cast<double>(kApproachKnots));
+    return approach(kKnot_s * static_cast<double>(knot));
   }
   if (knot_ == kApproachKnots + loop_.size()) knot_ = kApproachKnots;
   return loop_[knot - kApproachKnots];

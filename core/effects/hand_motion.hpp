@@ -50,7 +50,7 @@ class RepeatedMotion {
   [[nodiscard]] HandKnot next() noexcept;
 
  private:
-  [[nodiscard]] HandKnot approach(double u) const noexcept;
+  [[nodiscard]] HandKnot approach(double t) const noexcept;
 
   Vector3 from_;
   std::vector<HandKnot> loop_;

@@ -31,7 +31,7 @@ void add_settings(Settings& settings, PlantSpec& plant) {
                "without a write for so long torques are dropped, 0: never", kNotNegative);
   settings.add("workspace.stops", &plant.workspace.stops, "the arm has its joint stops");
   settings.add("integration.max_step_ms", &plant.integration.max_step_ms,
-               "longest step of the integrator", {.low = 0.001, .high = 10.0});
+               "longest step of the integrator", {.low = 0.001, .high = 2.0});
 }
 
 std::string place_of(const toml::node& node, const std::string& file) {

@@ -8,6 +8,7 @@ namespace teleop {
 namespace {
 
 /// What M, C and N share: every trigonometric function of a posture, evaluated once.
+// NOLINTBEGIN(readability-identifier-naming): symbols of the paper
 struct Terms {
   double M11 = 0.0;
   double M23 = 0.0;
@@ -16,6 +17,7 @@ struct Terms {
   double h = 0.0;  ///< −∂M23/∂q2 = ∂M23/∂q3
   double N2 = 0.0;
   double N3 = 0.0;
+  // NOLINTEND(readability-identifier-naming)
 
   Terms(const ArmModel::Lumped& arm, const JointVector& q) noexcept {
     const double c2 = std::cos(q[1]);
@@ -85,12 +87,11 @@ JointVector forward_dynamics(const ArmModel& arm,
                              const JointVector& tau) noexcept {
   const Terms t{arm.lumped(), q};
   const JointVector net = tau - t.bias(qd);
-  const double M22 = arm.lumped().M22;
-  const double M33 = arm.lumped().M33;
-  const double determinant = M22 * M33 - t.M23 * t.M23;
+  const ArmModel::Lumped& lumped = arm.lumped();
+  const double determinant = lumped.M22 * lumped.M33 - t.M23 * t.M23;
   return {net[0] / t.M11,  //
-          (M33 * net[1] - t.M23 * net[2]) / determinant,
-          (M22 * net[2] - t.M23 * net[1]) / determinant};
+          (lumped.M33 * net[1] - t.M23 * net[2]) / determinant,
+          (lumped.M22 * net[2] - t.M23 * net[1]) / determinant};
 }
 
 double kinetic_energy(const ArmModel& arm, const JointVector& q, const JointVector& qd) noexcept {

@@ -25,18 +25,18 @@ enum class ArmFlag : std::uint32_t {
 /// What a device says at one instant. Everything that the device does not measure stays zero and
 /// its flag is clear.
 struct ArmState {
-  Instant stamp{};                                    ///< when the encoders were latched
-  std::array<std::int32_t, kJoints> counts{};         ///< raw encoder counts
-  JointVector q = JointVector::Zero();                ///< joint angles from the counts, rad
-  std::array<std::int32_t, kJoints> period_ticks{};   ///< 10 MHz ticks between the last two
-                                                      ///< edges, sign = direction, 0 = overflow
-  JointVector motor_current = JointVector::Zero();    ///< A
-  JointVector motor_temperature = JointVector::Zero();///< °C, casing
-  Vector3 tool_force = Vector3::Zero();               ///< force of hand and surroundings on the
-                                                      ///< tool, in B, N
-  std::uint32_t switches = 0;                         ///< bit 0: stylus button (clutch)
-  std::uint32_t flags = 0;                            ///< ArmFlag bits
-  Fault fault = Fault::none;                          ///< what the device itself found
+  Instant stamp{};                                      ///< when the encoders were latched
+  std::array<std::int32_t, kJoints> counts{};           ///< raw encoder counts
+  JointVector q = JointVector::Zero();                  ///< joint angles from the counts, rad
+  std::array<std::int32_t, kJoints> period_ticks{};     ///< 10 MHz ticks between the last two
+                                                        ///< edges, sign = direction, 0 = overflow
+  JointVector motor_current = JointVector::Zero();      ///< A
+  JointVector motor_temperature = JointVector::Zero();  ///< °C, casing
+  Vector3 tool_force = Vector3::Zero();                 ///< force of hand and surroundings on the
+                                                        ///< tool, in B, N
+  std::uint32_t switches = 0;                           ///< bit 0: stylus button (clutch)
+  std::uint32_t flags = 0;                              ///< ArmFlag bits
+  Fault fault = Fault::none;                            ///< what the device itself found
 
   [[nodiscard]] constexpr bool has(ArmFlag flag) const noexcept {
     return (flags & static_cast<std::uint32_t>(flag)) != 0;
@@ -46,12 +46,12 @@ struct ArmState {
 
 /// What a device is. Fixed while it is open.
 struct ArmInfo {
-  std::string name;                                         ///< "sim", a serial number …
-  std::string model;                                        ///< "phantom-1.5"
-  JointVector counts_per_rev = JointVector::Zero();         ///< of the joint
-  JointVector max_torque = JointVector::Zero();             ///< that the motors can give, N m
-  std::string details;                                      ///< plant, seed, firmware …
-  bool simulated = false;                                   ///< computes what a real arm does by itself
+  std::string name;                                  ///< "sim", a serial number …
+  std::string model;                                 ///< "phantom-1.5"
+  JointVector counts_per_rev = JointVector::Zero();  ///< of the joint
+  JointVector max_torque = JointVector::Zero();      ///< that the motors can give, N m
+  std::string details;                               ///< plant, seed, firmware …
+  bool simulated = false;                            ///< computes what a real arm does by itself
 };
 
 /// The port that every arm fits: a driver, a simulation, a replayed tape. It speaks joints, so that

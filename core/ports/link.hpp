@@ -10,12 +10,12 @@ namespace teleop {
 /// Counted since the link was opened.
 struct LinkStatistics {
   std::uint64_t sent = 0;
-  std::uint64_t received = 0;    ///< valid packets, duplicates and late ones included
-  std::uint64_t lost = 0;        ///< gaps in the sequence that never filled
+  std::uint64_t received = 0;  ///< valid packets, duplicates and late ones included
+  std::uint64_t lost = 0;      ///< gaps in the sequence that never filled
   std::uint64_t duplicated = 0;
-  std::uint64_t reordered = 0;   ///< arrived after a newer one; not used
-  std::uint64_t refused = 0;     ///< torn, foreign or of another protocol version
-  std::uint32_t peer_version = 0;///< protocol version of the last packet refused for its version
+  std::uint64_t reordered = 0;     ///< arrived after a newer one; not used
+  std::uint64_t refused = 0;       ///< torn, foreign or of another protocol version
+  std::uint32_t peer_version = 0;  ///< protocol version of the last packet refused for its version
 };
 
 /// The port to the other side. Newest wins: a packet that arrives after a newer one is counted,

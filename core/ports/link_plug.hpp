@@ -15,7 +15,7 @@ namespace teleop {
 struct LinkPlug {
   struct Opened {
     std::unique_ptr<Link> link;
-    std::string address;  ///< "127.0.0.1:47001": where the peer finds this side
+    std::string address;               ///< "127.0.0.1:47001": where the peer finds this side
     std::vector<std::string> refused;  ///< what the system refused to its threads
   };
   std::function<void(Settings&)> add_settings;  ///< adds the link's own keys

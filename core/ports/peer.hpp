@@ -19,11 +19,16 @@ enum class Mode : std::uint8_t { idle = 0, engaging = 1, engaged = 2, holding = 
 
 [[nodiscard]] constexpr const char* name_of(Mode mode) noexcept {
   switch (mode) {
-    case Mode::idle: return "idle";
-    case Mode::engaging: return "engaging";
-    case Mode::engaged: return "engaged";
-    case Mode::holding: return "holding";
-    case Mode::faulted: return "faulted";
+    case Mode::idle:
+      return "idle";
+    case Mode::engaging:
+      return "engaging";
+    case Mode::engaged:
+      return "engaged";
+    case Mode::holding:
+      return "holding";
+    case Mode::faulted:
+      return "faulted";
   }
   return "unknown";
 }
@@ -32,27 +37,27 @@ enum class Mode : std::uint8_t { idle = 0, engaging = 1, engaged = 2, holding = 
 /// lost packet loses nothing. Expressed in the sender's base frame B.
 struct PeerState {
   std::uint64_t tick = 0;
-  Vector3 p_BT = Vector3::Zero();      ///< tool position, m
-  Vector3 v_BT = Vector3::Zero();      ///< tool velocity, m/s
-  Vector3 f_T = Vector3::Zero();       ///< coupling force commanded at the tool, N
-  Vector3 reference = Vector3::Zero(); ///< x_0: tool position at engaging, m
-  std::uint32_t epoch = 0;             ///< counts engagements; references of one epoch belong together
+  Vector3 p_BT = Vector3::Zero();       ///< tool position, m
+  Vector3 v_BT = Vector3::Zero();       ///< tool velocity, m/s
+  Vector3 f_T = Vector3::Zero();        ///< coupling force commanded at the tool, N
+  Vector3 reference = Vector3::Zero();  ///< x_0: tool position at engaging, m
+  std::uint32_t epoch = 0;  ///< counts engagements; references of one epoch belong together
   Mode mode = Mode::idle;
   Fault fault = Fault::none;
-  bool clutch = false;                 ///< the sender's operator holds the clutch
+  bool clutch = false;  ///< the sender's operator holds the clutch
 };
 
 /// A peer state as it arrived.
 struct PeerSample {
   PeerState state{};
-  std::uint64_t session = 0;   ///< of the sender; another number is a restarted peer
+  std::uint64_t session = 0;  ///< of the sender; another number is a restarted peer
   std::uint64_t sequence = 0;
-  Instant received{};          ///< own clock
-  Instant sent{};              ///< sender's clock
-  Duration round_trip{};       ///< network only: arrival − echoed send − the peer's hold; 0 unknown
+  Instant received{};     ///< own clock
+  Instant sent{};         ///< sender's clock
+  Duration round_trip{};  ///< network only: arrival − echoed send − the peer's hold; 0 unknown
   bool has_round_trip = false;
-  Duration one_way{};          ///< estimated time on the way: offset seen through the best echo
-  Duration one_way_bound{};    ///< upper bound: the same plus half the smallest round trip
+  Duration one_way{};        ///< estimated time on the way: offset seen through the best echo
+  Duration one_way_bound{};  ///< upper bound: the same plus half the smallest round trip
 
   /// Upper bound of the age of the state at `now`; safety uses this one.
   [[nodiscard]] Duration age_bound(Instant now) const noexcept {

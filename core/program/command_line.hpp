@@ -21,6 +21,9 @@ namespace teleop {
 
 /// Runs a program's body and turns its exceptions into the house's exit codes: bad input is one
 /// line on stderr and 2, anything unforeseen 1.
-[[nodiscard]] int run_program(const std::string& name, int (*body)(int, char**), int argc, char** argv) noexcept;
+[[nodiscard]] int run_program(const std::string& name,
+                              int (*body)(int, char**),
+                              int argc,
+                              char** argv) noexcept;
 
 }  // namespace teleop

@@ -35,15 +35,17 @@ class Side {
       : role_{role},
         config_{config},
         refused_{prepare_process()},
-        arm_{open_device(config.device, {.clock = clock_,
-                                         .hand = hand(),
-                                         .environment = config.environment,
-                                         .seed = config.seed})},
+        arm_{open_device(config.device,
+                         {.clock = clock_,
+                          .hand = hand(),
+                          .environment = config.environment,
+                          .seed = config.seed})},
         model_{load_arm(arm_->info().model)},
         opened_{plug.open()},
         station_{config.station, role, model_, {*arm_, *opened_.link, clock_}} {
     refused_.insert(refused_.end(), opened_.refused.begin(), opened_.refused.end());
-    for (const std::string& line : station_.notices()) spdlog::warn("{}", line);
+    for (const std::string& line : station_.notices())
+      spdlog::warn("{}", line);
     if (!config.out.empty()) open_recording(settings);
   }
 
@@ -58,7 +60,8 @@ class Side {
       run_loop();
     }};
     started.wait(false, std::memory_order_acquire);
-    for (const std::string& line : refused_) spdlog::warn("real time: {}", line);
+    for (const std::string& line : refused_)
+      spdlog::warn("real time: {}", line);
     spdlog::info("{} on {}, {} Hz, {}", name_of(role_), arm_->info().name, config_.station.rate_Hz,
                  opened_.address);
     announce();
@@ -67,8 +70,9 @@ class Side {
       if (stop.wait(100ms)) stop_.store(true, std::memory_order_relaxed);
       if (status_box_.take(status_)) show();
       if (status_.link.peer_version != 0 && status_.link.received == 0) {
-        wrong = fmt::format("the peer speaks protocol version {}, this side {}: update the older one",
-                            status_.link.peer_version, own_version);
+        wrong =
+            fmt::format("the peer speaks protocol version {}, this side {}: update the older one",
+                        status_.link.peer_version, own_version);
         stop_.store(true, std::memory_order_relaxed);
       }
     }
@@ -91,7 +95,8 @@ class Side {
   void open_recording(const Settings& settings) {
     std::error_code error;
     std::filesystem::create_directories(config_.out, error);
-    if (error) throw RecordingError{fmt::format("{}: cannot be made: {}", config_.out, error.message())};
+    if (error)
+      throw RecordingError{fmt::format("{}: cannot be made: {}", config_.out, error.message())};
     const auto file = std::filesystem::path{config_.out} / fmt::format("{}.mcap", name_of(role_));
     const StationConfig& station = config_.station;
     Metadata metadata{
@@ -114,7 +119,8 @@ class Side {
   void close_recording() {
     if (!recorder_) return;
     std::string granted;
-    for (const std::string& line : refused_) granted += (granted.empty() ? "" : "; ") + line;
+    for (const std::string& line : refused_)
+      granted += (granted.empty() ? "" : "; ") + line;
     recorder_->close({
         {"realtime", granted.empty() ? "granted" : granted},
         {"turns", std::to_string(status_.turns)},
@@ -132,9 +138,10 @@ class Side {
   /// The loop's thread.
   void run_loop() noexcept {
     const Duration period{static_cast<std::int64_t>(1e9 / config_.station.rate_Hz)};
-    const Instant end = config_.seconds > 0.0
-                            ? clock_.now() + Duration{static_cast<std::int64_t>(1e9 * config_.seconds)}
-                            : Instant::max();
+    const Instant end =
+        config_.seconds > 0.0
+            ? clock_.now() + Duration{static_cast<std::int64_t>(1e9 * config_.seconds)}
+            : Instant::max();
     Status status;
     run_periodically(clock_, period, [&](const Tick& tick) noexcept {
       status.record = station_.step(tick);

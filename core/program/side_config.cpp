@@ -4,8 +4,9 @@ namespace teleop {
 
 void add_settings(Settings& settings, SideConfig& config) {
   settings.add("device", &config.device, "the arm: sim[:plant.toml]");
-  settings.add("hand", &config.hand,
-               "hand at a simulated arm: trace.csv, reach, press or none (empty: as the side's role)");
+  settings.add(
+      "hand", &config.hand,
+      "hand at a simulated arm: trace.csv, reach, press or none (empty: as the side's role)");
   settings.add("environment", &config.environment,
                "surroundings of a simulated arm: free, soft or wall");
   settings.add("seed", &config.seed, "of everything random in a simulated arm", {0.0, 9e15});

@@ -15,7 +15,8 @@ double microseconds(Duration duration) { return 1e6 * seconds(duration); }
 std::string status_line(Role role, const Status& status, const Histogram& lateness) {
   const TickRecord& r = status.record;
   std::string line = fmt::format(
-      "{} {:<8} turn {:>8}  error {:6.2f} mm  force {:5.2f} N  rtt {:5.0f} us  age {:5.2f} ms  lost {}  "
+      "{} {:<8} turn {:>8}  error {:6.2f} mm  force {:5.2f} N  rtt {:5.0f} us  age {:5.2f} ms  "
+      "lost {}  "
       "late p99 {:4.0f} us",
       name_of(role), name_of(static_cast<Mode>(r.mode)), r.tick, 1e3 * r.error_m.norm(),
       r.coupling_N.norm(), r.round_trip_us, r.peer_age_ms, r.packets_lost,
@@ -41,7 +42,8 @@ std::string status_json(Role role, const Status& status, const Histogram& latene
       {"lateness_p99_us", microseconds(lateness.quantile(0.99))},
       {"fault", r.fault},
       {"fault_name", name_of(static_cast<Fault>(r.fault))},
-  }.dump();
+  }
+      .dump();
 }
 
 }  // namespace teleop

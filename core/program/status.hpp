@@ -13,7 +13,7 @@ namespace teleop {
 
 /// What a running side shows of itself, several times a second.
 struct Status {
-  TickRecord record{};        ///< the newest turn
+  TickRecord record{};  ///< the newest turn
   LinkStatistics link{};
   std::uint64_t turns = 0;
   std::uint64_t missed = 0;   ///< turns of the schedule that never happened

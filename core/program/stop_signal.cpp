@@ -26,7 +26,8 @@ bool StopSignal::wait(Duration patience) {
   if (asked()) return true;
   const sigset_t set = stop_signals();
   constexpr std::int64_t kBillion = 1'000'000'000;
-  const timespec limit{.tv_sec = patience.count() / kBillion, .tv_nsec = patience.count() % kBillion};
+  const timespec limit{.tv_sec = patience.count() / kBillion,
+                       .tv_nsec = patience.count() % kBillion};
   if (sigtimedwait(&set, nullptr, &limit) > 0) ask();
   return asked();
 }

@@ -22,7 +22,8 @@ class Histogram {
 
   [[nodiscard]] std::uint64_t count() const noexcept {
     std::uint64_t sum = 0;
-    for (const auto& bucket : buckets_) sum += bucket.load(std::memory_order_relaxed);
+    for (const auto& bucket : buckets_)
+      sum += bucket.load(std::memory_order_relaxed);
     return sum;
   }
 

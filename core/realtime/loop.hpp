@@ -11,10 +11,10 @@ namespace teleop {
 /// One turn of a loop, as its body sees it.
 struct Tick {
   std::uint64_t index = 0;
-  Instant due{};        ///< when this turn should have begun
-  Instant now{};        ///< when it began
-  Duration elapsed{};   ///< since the previous turn began; the period on the first turn
-  bool overrun = false; ///< the previous turn ran past its end
+  Instant due{};             ///< when this turn should have begun
+  Instant now{};             ///< when it began
+  Duration elapsed{};        ///< since the previous turn began; the period on the first turn
+  bool overrun = false;      ///< the previous turn ran past its end
   std::uint64_t missed = 0;  ///< turns of the schedule that never happened, so far
 
   [[nodiscard]] Duration lateness() const noexcept { return now - due; }

@@ -31,7 +31,8 @@ void touch_stack() noexcept {
   constexpr std::size_t kBytes = std::size_t{256} * 1024;
   constexpr std::size_t kPage = 4096;
   std::array<volatile std::byte, kBytes> stack{};
-  for (std::size_t i = 0; i < kBytes; i += kPage) stack[i] = std::byte{1};
+  for (std::size_t i = 0; i < kBytes; i += kPage)
+    stack[i] = std::byte{1};
 }
 
 }  // namespace
@@ -46,7 +47,8 @@ std::vector<std::string> prepare_process() {
   std::vector<std::string> refused;
   // Everything mapped now is made resident; what comes later, as it is touched.
   if (!may_lock_all()) {
-    refused.emplace_back("memory stays pageable: the limit of locked memory is too low (ulimit -l)");
+    refused.emplace_back(
+        "memory stays pageable: the limit of locked memory is too low (ulimit -l)");
   } else if (mlockall(MCL_CURRENT) != 0 || mlockall(MCL_FUTURE | MCL_ONFAULT) != 0) {
     refused.push_back("memory stays pageable: " + reason(errno));
   }
@@ -74,7 +76,8 @@ std::vector<std::string> prepare_thread(const Realtime& realtime) {
     CPU_ZERO(&cores);
     CPU_SET(static_cast<std::size_t>(realtime.core), &cores);
     if (const int error = pthread_setaffinity_np(pthread_self(), sizeof cores, &cores)) {
-      refused.push_back("not bound to core " + std::to_string(realtime.core) + ": " + reason(error));
+      refused.push_back("not bound to core " + std::to_string(realtime.core) + ": " +
+                        reason(error));
     }
   }
   const sched_param parameters{.sched_priority = realtime.priority};

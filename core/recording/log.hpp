@@ -19,8 +19,8 @@ struct Log {
   std::filesystem::path file{};
   Metadata metadata{};
   std::vector<TickRecord> ticks{};
-  bool complete = true;      ///< false: the file was cut off (no footer) or a damaged chunk was skipped
-  std::string damage{};        ///< what was wrong, in words; empty when complete
+  bool complete = true;  ///< false: the file was cut off (no footer) or a damaged chunk was skipped
+  std::string damage{};  ///< what was wrong, in words; empty when complete
 };
 
 /// Reads a log, a cut-off one up to its last whole record.

@@ -79,7 +79,8 @@ constexpr void for_each_field(Record& r, Visitor&& visit) {
   visit(Field{9, "arm_flags", "device flag bits"}, r.arm_flags);
   visit(Field{10, "switches", "device switches, bit 0 clutch"}, r.switches);
   visit(Field{11, "counts", "encoder counts"}, r.counts);
-  visit(Field{12, "period_ticks", "10 MHz ticks between encoder edges, 0 overflow"}, r.period_ticks);
+  visit(Field{12, "period_ticks", "10 MHz ticks between encoder edges, 0 overflow"},
+        r.period_ticks);
   visit(Field{13, "q_rad", "joint angles"}, r.q_rad);
   visit(Field{14, "qd_rad_per_s", "joint speeds, estimated"}, r.qd_rad_per_s);
   visit(Field{15, "tau_Nm", "joint torques commanded"}, r.tau_Nm);

@@ -7,9 +7,13 @@ SimulatedPair::SimulatedPair(const Config& config)
       master_arm_{config.master, clock_},
       slave_arm_{config.slave, clock_},
       network_{clock_, config.network_delay},
-      master_{config.station, Role::master, master_arm_.model(),
+      master_{config.station,
+              Role::master,
+              master_arm_.model(),
               {master_arm_, network_.end(Role::master), clock_}},
-      slave_{config.station, Role::slave, slave_arm_.model(),
+      slave_{config.station,
+             Role::slave,
+             slave_arm_.model(),
              {slave_arm_, network_.end(Role::slave), clock_}} {}
 
 void SimulatedPair::step() noexcept {

@@ -20,8 +20,8 @@ class SimulatedPair {
   struct Config {
     SimulatedArm::Config master{};
     SimulatedArm::Config slave{};
-    StationConfig station{};               ///< of both
-    Duration network_delay{20'000};        ///< each way
+    StationConfig station{};         ///< of both
+    Duration network_delay{20'000};  ///< each way
   };
 
   /// @throws ConfigError as its parts do.

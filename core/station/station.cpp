@@ -33,10 +33,7 @@ void add_settings(Settings& settings, const std::string& prefix, StationConfig& 
                "a joint that is faster is a fault", kPositive);
 }
 
-Station::Station(const StationConfig& config,
-                 Role role,
-                 const ArmModel& model,
-                 const Ports& ports)
+Station::Station(const StationConfig& config, Role role, const ArmModel& model, const Ports& ports)
     : config_{config},
       role_{role},
       model_{model},
@@ -84,7 +81,8 @@ const TickRecord& Station::step(const Tick& tick) noexcept {
   tell(tick);
 
   // A simulated arm computes what a real one does by itself: that time is not the loop's.
-  const Duration in_arm = arm_.info().simulated ? (read - begin) + (written - thought) : Duration{0};
+  const Duration in_arm =
+      arm_.info().simulated ? (read - begin) + (written - thought) : Duration{0};
   record_.compute_us = microseconds(clock_.now() - begin - in_arm);
   remember(tick, tau);
   return record_;
@@ -173,8 +171,8 @@ Vector3 Station::couple() noexcept {
 /// any other. Where the wanted place is out of reach or the arm singular, there is none.
 Vector3 Station::follow(const PositionError::Motion& peer) const noexcept {
   const PositionError::Motion wanted = law_.wanted_slave(peer);
-  const IkResult ik = inverse_kinematics(model_, decided_.reference + wanted.displacement, IkBranch::up,
-                                         own_.arm.q[0]);
+  const IkResult ik = inverse_kinematics(model_, decided_.reference + wanted.displacement,
+                                         IkBranch::up, own_.arm.q[0]);
   Matrix3 J_inverse;
   bool regular = false;
   own_.J.computeInverseWithCheck(J_inverse, regular, 1e-6);

@@ -27,9 +27,9 @@ struct StationConfig {
   PositionError::Config law{};
   ToolDamping::Config damping{};
   GravityCompensation::Config gravity{};
-  bool computed_torque = false;           ///< the slave follows by computed torque, not by a force
+  bool computed_torque = false;  ///< the slave follows by computed torque, not by a force
   ComputedTorque::Config tracking{};
-  double hold_stiffness_N_per_m = 0.0;   ///< holds the tool's place while holding; 0: not
+  double hold_stiffness_N_per_m = 0.0;  ///< holds the tool's place while holding; 0: not
   DifferenceVelocity::Config velocity{};
   Supervisor::Config supervisor{};
   Limiter::Config limits{};

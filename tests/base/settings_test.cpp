@@ -67,10 +67,12 @@ TEST_F(SettingsTest, RefusesWhatIsOutOfRangeOrOfAnotherTypeAndNamesThePlace) {
             "pair.toml:2: law.gain_N_per_m = -5: must be 0 or more");
   EXPECT_EQ(complaint("[law]\ngain_N_per_m = nan\n"),
             "pair.toml:2: law.gain_N_per_m = nan: must be 0 or more");
-  EXPECT_EQ(complaint("[law]\ngain_N_per_m = \"5\"\n"), "pair.toml:2: law.gain_N_per_m: must be a number");
+  EXPECT_EQ(complaint("[law]\ngain_N_per_m = \"5\"\n"),
+            "pair.toml:2: law.gain_N_per_m: must be a number");
   EXPECT_EQ(complaint("[loop]\npriority = 100\n"),
             "pair.toml:2: loop.priority = 100: must be between 1 and 99");
-  EXPECT_EQ(complaint("[loop]\npriority = 1.5\n"), "pair.toml:2: loop.priority: must be a whole number");
+  EXPECT_EQ(complaint("[loop]\npriority = 1.5\n"),
+            "pair.toml:2: loop.priority: must be a whole number");
   EXPECT_EQ(complaint("[law]\nrotation_rad = [1, 2]\n"),
             "pair.toml:2: law.rotation_rad: must be a list of 3 numbers");
   EXPECT_EQ(example_.gain_N_per_m, 100.0);
@@ -92,7 +94,8 @@ TEST_F(SettingsTest, TakesTheCommandLineOverTheFile) {
 }
 
 TEST_F(SettingsTest, PrintsWhatItCanReadBack) {
-  settings_.load_text("device = \"a \\\"b\\\"\"\n[law]\ngain_N_per_m = 1e-9\nrotation_rad = [1, 2.5, 3]\n", "x");
+  settings_.load_text(
+      "device = \"a \\\"b\\\"\"\n[law]\ngain_N_per_m = 1e-9\nrotation_rad = [1, 2.5, 3]\n", "x");
   const std::string printed = settings_.print();
   example_ = {};
 
@@ -109,7 +112,8 @@ TEST(DataFile, IsFoundInTheSourceTreeAndNamesThePlacesWhereItIsNot) {
     (void)data_file("arms/no-such-arm.toml");
     FAIL() << "found a file that is not there";
   } catch (const ConfigError& error) {
-    EXPECT_NE(std::string{error.what()}.find("arms/no-such-arm.toml: no such file"), std::string::npos);
+    EXPECT_NE(std::string{error.what()}.find("arms/no-such-arm.toml: no such file"),
+              std::string::npos);
   }
 }
 

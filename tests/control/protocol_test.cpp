@@ -72,9 +72,9 @@ TEST(Protocol, IsSafeAndLiveUnderClutches) { expect_safe_and_live({.clutches = t
 
 TEST(Protocol, IsSafeAndLiveUnderMotionDuringSilence) { expect_safe_and_live({.motion = true}); }
 
-TEST(Protocol, IsSafeAndLiveUnderFaultsAndDisabling) {
-  expect_safe_and_live({.faults = true, .disabling = true});
-}
+TEST(Protocol, IsSafeAndLiveUnderFaults) { expect_safe_and_live({.faults = true}); }
+
+TEST(Protocol, IsSafeAndLiveUnderDisabling) { expect_safe_and_live({.disabling = true}); }
 
 TEST(Protocol, IsSafeAndLiveUnderRestarts) { expect_safe_and_live({.restarts = 1}); }
 

@@ -17,8 +17,8 @@ namespace teleop::testing {
 }
 
 [[nodiscard]] inline const ArmModel& phantom() {
-  static const ArmModel kArm = load_arm("phantom-1.5");
-  return kArm;
+  static const ArmModel arm = load_arm("phantom-1.5");
+  return arm;
 }
 
 [[nodiscard]] inline JointVector random_vector(Random& random, double bound) {

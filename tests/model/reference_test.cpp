@@ -53,8 +53,10 @@ class Reference : public ::testing::Test {
     ASSERT_GE(poses_.size(), 20U);
   }
 
+  // NOLINTBEGIN(readability-identifier-naming): gtest wants protected what is private in spirit
   const ArmModel& arm_ = testing::phantom();
   json poses_;
+  // NOLINTEND(readability-identifier-naming)
 };
 
 TEST_F(Reference, PoseAndJacobiansAgree) {
@@ -102,8 +104,8 @@ TEST_F(Reference, EnergiesToolMassAndTorqueOfAWrenchAgree) {
     EXPECT_TRUE(agrees(potential_energy(arm_, q), pose.at("potential_energy").get<double>()));
 
     const auto mass = tool_mass(arm_, q);
-    ASSERT_TRUE(mass);
-    EXPECT_TRUE(agrees(*mass, matrix<3>(pose.at("Lambda_cartesian_mass"))));
+    EXPECT_TRUE(
+        agrees(mass.value_or(Matrix3::Zero()), matrix<3>(pose.at("Lambda_cartesian_mass"))));
 
     Eigen::Matrix<double, 6, 1> F;
     for (int i = 0; i < 6; ++i)

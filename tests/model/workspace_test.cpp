@@ -17,8 +17,8 @@ using testing::phantom;
 constexpr double kStep = 0.004;
 
 const WorkspaceMap& coarse_map() {
-  static const WorkspaceMap kMap = map_workspace(phantom(), kStep);
-  return kMap;
+  static const WorkspaceMap map = map_workspace(phantom(), kStep);
+  return map;
 }
 
 /// Of a polygon in the y–z plane.

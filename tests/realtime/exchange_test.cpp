@@ -53,7 +53,8 @@ TEST(Ring, DeliversEverythingOnceAndInOrderAcrossThreads) {
 
 TEST(Ring, RefusesWhenFullAndLosesNothing) {
   Ring<int> ring{4};
-  for (int i = 0; i < 4; ++i) EXPECT_TRUE(ring.push(i));
+  for (int i = 0; i < 4; ++i)
+    EXPECT_TRUE(ring.push(i));
 
   EXPECT_FALSE(ring.push(99));
 
@@ -68,7 +69,8 @@ TEST(Ring, RefusesWhenFullAndLosesNothing) {
 TEST(Mailbox, NeverTearsAndNeverGoesBackAcrossThreads) {
   Mailbox<Block> mailbox;
   std::thread writer{[&] {
-    for (std::uint64_t i = 1; i <= kMany; ++i) mailbox.put(block_of(i));
+    for (std::uint64_t i = 1; i <= kMany; ++i)
+      mailbox.put(block_of(i));
   }};
 
   Block block{};
@@ -95,7 +97,8 @@ TEST(Mailbox, GivesEachValueOnce) {
 
 TEST(Histogram, GivesQuantilesWithinItsResolution) {
   Histogram histogram;
-  for (int us = 1; us <= 1000; ++us) histogram.record(std::chrono::microseconds{us});
+  for (int us = 1; us <= 1000; ++us)
+    histogram.record(std::chrono::microseconds{us});
 
   EXPECT_EQ(histogram.count(), 1000U);
   EXPECT_NEAR(seconds(histogram.quantile(0.5)), 500e-6, 500e-6 / 16);

@@ -25,10 +25,12 @@ void expect_one_clear_line(const Bad& bad) {
 
   EXPECT_EQ(finished.exit_code, 2) << bad.command << "\n" << finished.output;
   EXPECT_EQ(std::count(finished.output.begin(), finished.output.end(), '\n'), 1)
-      << bad.command << "\n" << finished.output;
+      << bad.command << "\n"
+      << finished.output;
   for (const std::string& name : bad.names) {
     EXPECT_NE(finished.output.find(name), std::string::npos)
-        << bad.command << "\nnames not '" << name << "'\n" << finished.output;
+        << bad.command << "\nnames not '" << name << "'\n"
+        << finished.output;
   }
 }
 
@@ -40,7 +42,8 @@ TEST(BadInput, OnTheCommandLineIsOneLineAndExitCode2) {
       {"teleop loopback --environment mud", {"environment", "mud"}},
       {"teleop-master --no-such-option 1", {"no-such-option"}},
       {"teleop-master --config no-such-file.toml", {"no-such-file.toml", "no such file"}},
-      {"teleop-master --law.stiffness_slave_N_per_m -5", {"law.stiffness_slave_N_per_m", "-5", "0 or more"}},
+      {"teleop-master --law.stiffness_slave_N_per_m -5",
+       {"law.stiffness_slave_N_per_m", "-5", "0 or more"}},
       {"teleop-master --loop.rate_Hz 50", {"loop.rate_Hz", "100"}},
       {"teleop-master --device teapot", {"teapot", "sim"}},
       {"teleop-master --device sim:no-such-plant.toml", {"no-such-plant.toml"}},
@@ -52,20 +55,23 @@ TEST(BadInput, OnTheCommandLineIsOneLineAndExitCode2) {
       {"teleop recover no-such.mcap", {"no-such.mcap"}},
       {"teleop workspace --arm no-such-arm", {"no-such-arm"}},
   };
-  for (const Bad& bad : commands) expect_one_clear_line(bad);
+  for (const Bad& bad : commands)
+    expect_one_clear_line(bad);
 }
 
 TEST(BadInput, InAFileNamesFileAndLine) {
   const TemporaryFolder folder;
   const std::string config = folder.write("pair.toml", "[law]\nstifness_slave_N_per_m = 100\n");
   const std::string nan = folder.write("nan.csv", "t_s,q_rad\n0.0,0.0\n0.001,nan\n0.002,0.0\n");
-  const std::string backwards = folder.write("back.csv", "t_s,q_rad\n0.0,0.0\n0.002,0.1\n0.001,0.0\n");
+  const std::string backwards =
+      folder.write("back.csv", "t_s,q_rad\n0.0,0.0\n0.002,0.1\n0.001,0.0\n");
   const std::string columns = folder.write("columns.csv", "time,angle\n0.0,0.0\n0.1,0.0\n");
   const std::string plant =
       folder.write("plant.toml", "arm = \"phantom-1.5\"\n[[effect]]\nkind = \"magic\"\naxis = 1\n");
   const std::string torn = folder.write("torn.mcap", "\x89MCAP0\r\nnot really");
   const std::vector<Bad> commands{
-      {"teleop-master --config " + config, {"pair.toml:2", "stifness_slave_N_per_m", "did you mean"}},
+      {"teleop-master --config " + config,
+       {"pair.toml:2", "stifness_slave_N_per_m", "did you mean"}},
       {"teleop-master --hand " + nan, {"nan.csv:3"}},
       {"teleop-master --hand " + backwards, {"back.csv:4"}},
       {"teleop-master --hand " + columns, {"columns.csv"}},
@@ -74,16 +80,18 @@ TEST(BadInput, InAFileNamesFileAndLine) {
       {"teleop report " + torn, {"torn.mcap"}},
       {"teleop loopback --seconds 1 --out /proc/nowhere", {"/proc/nowhere"}},
   };
-  for (const Bad& bad : commands) expect_one_clear_line(bad);
+  for (const Bad& bad : commands)
+    expect_one_clear_line(bad);
 }
 
 TEST(BadInput, NeverWritesOverAnything) {
   const TemporaryFolder folder;
   const auto recording = folder.write("master.mcap", "precious");
 
-  expect_one_clear_line({"teleop loopback --seconds 1 --out " + folder.path().string(),
-                         {"master.mcap", "exists"}});
-  expect_one_clear_line({"teleop-master --out " + folder.path().string(), {"master.mcap", "exists"}});
+  expect_one_clear_line(
+      {"teleop loopback --seconds 1 --out " + folder.path().string(), {"master.mcap", "exists"}});
+  expect_one_clear_line(
+      {"teleop-master --out " + folder.path().string(), {"master.mcap", "exists"}});
 
   std::string text;
   std::ifstream{recording} >> text;

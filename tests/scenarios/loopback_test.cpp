@@ -25,17 +25,37 @@ TEST(Loopback, TeleoperatesInFreeMotionAndSaysSo) {
   const TemporaryFolder folder;
   const auto out = folder.path() / "run";
 
-  const Finished finished = testing::run("teleop loopback --seconds 4 --out " + out.string() + " --json " +
-                                         (folder.path() / "s.json").string());
+  const Finished finished = testing::run("teleop loopback --seconds 4 --out " + out.string() +
+                                         " --json " + (folder.path() / "s.json").string());
 
   ASSERT_EQ(finished.exit_code, 0) << finished.output;
   const json summary = read_json(folder.path() / "s.json");
-  for (const char* key :
-       {"/rate_Hz", "/ticks/master", "/ticks/slave", "/tracking_rms_mm", "/tracking_peak_mm", "/force_rms_N",
-        "/rtt_us/p50", "/rtt_us/p99", "/rtt_us/p999", "/lateness_us/p50", "/lateness_us/p90",
-        "/lateness_us/p99", "/lateness_us/p999", "/lateness_us/max", "/compute_us/p50", "/compute_us/p99",
-        "/age_ms/p50", "/age_ms/p99", "/packets/sent", "/packets/received", "/packets/lost",
-        "/packets/duplicated", "/packets/reordered", "/recordings/1", "/report", "/faults"}) {
+  for (const char* key : {"/rate_Hz",
+                          "/ticks/master",
+                          "/ticks/slave",
+                          "/tracking_rms_mm",
+                          "/tracking_peak_mm",
+                          "/force_rms_N",
+                          "/rtt_us/p50",
+                          "/rtt_us/p99",
+                          "/rtt_us/p999",
+                          "/lateness_us/p50",
+                          "/lateness_us/p90",
+                          "/lateness_us/p99",
+                          "/lateness_us/p999",
+                          "/lateness_us/max",
+                          "/compute_us/p50",
+                          "/compute_us/p99",
+                          "/age_ms/p50",
+                          "/age_ms/p99",
+                          "/packets/sent",
+                          "/packets/received",
+                          "/packets/lost",
+                          "/packets/duplicated",
+                          "/packets/reordered",
+                          "/recordings/1",
+                          "/report",
+                          "/faults"}) {
     EXPECT_TRUE(summary.contains(json::json_pointer{key})) << key;
   }
   EXPECT_LT(summary["tracking_rms_mm"].get<double>(), 2.0);
@@ -53,9 +73,9 @@ TEST(Loopback, TeleoperatesInFreeMotionAndSaysSo) {
 TEST(Loopback, CarriesTheContactForceToTheHandAtRest) {
   const TemporaryFolder folder;
 
-  const Finished finished =
-      testing::run("teleop loopback --seconds 6 --environment wall --no-report --out " +
-                   (folder.path() / "run").string() + " --json " + (folder.path() / "s.json").string());
+  const Finished finished = testing::run(
+      "teleop loopback --seconds 6 --environment wall --no-report --out " +
+      (folder.path() / "run").string() + " --json " + (folder.path() / "s.json").string());
 
   ASSERT_EQ(finished.exit_code, 0) << finished.output;
   const json summary = read_json(folder.path() / "s.json");
@@ -68,16 +88,18 @@ class LostPeer : public ::testing::Test {
  protected:
   std::unique_ptr<Child> start_slave(const std::string& address, const std::string& out) {
     auto child = std::make_unique<Child>(
-        "slave", std::vector<std::string>{sibling_program("teleop-slave"), "--status_json", "true", "--link.bind",
-                                          address, "--hand", "none", "--out", (folder_.path() / out).string()});
+        "slave", std::vector<std::string>{sibling_program("teleop-slave"), "--status_json", "true",
+                                          "--link.bind", address, "--hand", "none", "--out",
+                                          (folder_.path() / out).string()});
     address_ = address_of(*child);
     return child;
   }
 
   std::unique_ptr<Child> start_master() {
     auto child = std::make_unique<Child>(
-        "master", std::vector<std::string>{sibling_program("teleop-master"), "--status_json", "true", "--link.peer",
-                                           address_, "--hand", "reach", "--out", folder_.path().string()});
+        "master", std::vector<std::string>{sibling_program("teleop-master"), "--status_json",
+                                           "true", "--link.peer", address_, "--hand", "reach",
+                                           "--out", folder_.path().string()});
     (void)address_of(*child);
     return child;
   }
@@ -124,7 +146,8 @@ TEST_F(LostPeer, IsHeldWithin20MillisecondsAndEngagedAgainWithoutAJump) {
     const TickRecord& now = log.ticks[i];
     const TickRecord& before = log.ticks[i - 1];
     const auto mode = static_cast<Mode>(now.mode);
-    came_back = came_back || (was_engaged && static_cast<Mode>(before.mode) == Mode::engaging && mode == Mode::engaged);
+    came_back = came_back || (was_engaged && static_cast<Mode>(before.mode) == Mode::engaging &&
+                              mode == Mode::engaged);
     was_engaged = was_engaged || mode == Mode::engaged;
     const double silent_ms = 1e-6 * static_cast<double>(now.stamp_ns - now.peer_received_ns);
     // A turn can only act when it comes: the machine's own lateness is not the supervisor's.

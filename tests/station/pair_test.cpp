@@ -30,9 +30,11 @@ Observed observe(SimulatedPair& pair, int turns) {
   Vector3 last = Vector3::Zero();
   for (int i = 0; i < turns; ++i) {
     pair.step();
-    seen.largest_force_step_N = std::max(seen.largest_force_step_N, (pair.slave().coupling_N - last).norm());
+    seen.largest_force_step_N =
+        std::max(seen.largest_force_step_N, (pair.slave().coupling_N - last).norm());
     last = pair.slave().coupling_N;
-    if (pair.master().mode != static_cast<std::uint32_t>(Mode::engaged) || pair.master().epoch != pair.slave().epoch) {
+    if (pair.master().mode != static_cast<std::uint32_t>(Mode::engaged) ||
+        pair.master().epoch != pair.slave().epoch) {
       continue;
     }
     ++seen.engaged_turns;
@@ -55,7 +57,8 @@ TEST(Pair, FollowsAReachingHandWithinTwoMillimetres) {
 
 TEST(Pair, LetsTheHandFeelTheWallAtRest) {
   SimulatedPair pair{pair_with("press", "wall")};
-  for (int i = 0; i < 6'000; ++i) pair.step();
+  for (int i = 0; i < 6'000; ++i)
+    pair.step();
 
   const double hand = pair.master_arm().true_state().hand_force.norm();
   const double wall = pair.slave_arm().true_state().contact_force.norm();
@@ -75,13 +78,15 @@ TEST(Pair, GivesTheSameBitsTwice) {
         continue;
       }
       for_each_field(pair.slave(), [&](const Field& field, const auto& value) {
-        for_each_field(first[static_cast<std::size_t>(i)], [&](const Field& other, const auto& expected) {
-          if constexpr (std::is_same_v<decltype(value), decltype(expected)>) {
-            if (field.number == other.number) {
-              ASSERT_EQ(std::memcmp(&value, &expected, sizeof value), 0) << field.name << " in turn " << i;
-            }
-          }
-        });
+        for_each_field(first[static_cast<std::size_t>(i)],
+                       [&](const Field& other, const auto& expected) {
+                         if constexpr (std::is_same_v<decltype(value), decltype(expected)>) {
+                           if (field.number == other.number) {
+                             ASSERT_EQ(std::memcmp(&value, &expected, sizeof value), 0)
+                                 << field.name << " in turn " << i;
+                           }
+                         }
+                       });
       });
     }
   }
@@ -93,11 +98,13 @@ TEST(Pair, LetsGoWithin20MillisecondsOfSilenceAndComesBackWithoutAJump) {
   ASSERT_EQ(pair.master().mode, static_cast<std::uint32_t>(Mode::engaged));
 
   pair.network().outage(true);
-  for (int i = 0; i < 20; ++i) pair.step();
+  for (int i = 0; i < 20; ++i)
+    pair.step();
   EXPECT_EQ(pair.master().mode, static_cast<std::uint32_t>(Mode::holding));
   EXPECT_EQ(pair.master().coupling_N, Vector3::Zero());
   EXPECT_EQ(pair.slave().coupling_N, Vector3::Zero());
-  for (int i = 0; i < 500; ++i) pair.step();
+  for (int i = 0; i < 500; ++i)
+    pair.step();
 
   pair.network().outage(false);
   const Observed after = observe(pair, 2'000);
@@ -108,8 +115,9 @@ TEST(Pair, LetsGoWithin20MillisecondsOfSilenceAndComesBackWithoutAJump) {
 
 TEST(Pair, StopsOnlyTheArmThatHasAFaultAndHoldsTheOther) {
   SimulatedPair::Config config = pair_with("reach");
-  config.slave.faults.push_back(
-      {.kind = SimulatedArm::FaultKind::nan_angle, .at = std::chrono::milliseconds{1500}, .axis = 1});
+  config.slave.faults.push_back({.kind = SimulatedArm::FaultKind::nan_angle,
+                                 .at = std::chrono::milliseconds{1500},
+                                 .axis = 1});
   SimulatedPair pair{config};
 
   (void)observe(pair, 1'600);
@@ -137,7 +145,8 @@ TEST(Pair, StepsWithoutAllocating) {
   SimulatedPair pair{pair_with("press", "wall")};
 
   const testing::NoAllocation guard;
-  for (int i = 0; i < 2'000; ++i) pair.step();
+  for (int i = 0; i < 2'000; ++i)
+    pair.step();
   EXPECT_EQ(guard.count(), 0U);
 }
 
