@@ -81,9 +81,9 @@ void ChartWriter::vector(const TimedSide& side,
   constexpr std::array kAxes{"x", "y", "z"};
   const bool dashed = look == Role::slave;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    const std::string name = kAxes.at(static_cast<std::size_t>(axis));
-    series(label + " " + name, name + (dashed ? "-slave" : ""), dashed,
-           sampled(side, [&](const TickRecord& record) { return value(record)[axis]; }));
+    const char* name = kAxes.at(static_cast<std::size_t>(axis));
+    series(fmt::format("{} {}", label, name), fmt::format("{}{}", name, dashed ? "-slave" : ""),
+           dashed, sampled(side, [&](const TickRecord& record) { return value(record)[axis]; }));
   }
 }
 

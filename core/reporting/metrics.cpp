@@ -34,8 +34,9 @@ std::optional<Tracking> tracking_of(std::span<const PairedTick> pairs, double ra
 void set_begin(Run& run) {
   const bool together = run.master && run.slave && !run.slave->clock.unknown();
   double earliest = std::numeric_limits<double>::infinity();
-  for (const Side* side : run.sides())
+  for (const Side* side : run.sides()) {
     earliest = std::min(earliest, begin_of(*side));
+  }
   for (std::optional<Side>* side : {&run.master, &run.slave}) {
     if (!side->has_value()) continue;
     Side& there = side->value();
