@@ -14,7 +14,7 @@ namespace {
 using nlohmann::json;
 using testing::TemporaryFolder;
 
-const std::filesystem::path kHere = TELEOP_SOURCE_DIR "/tests/recording";
+constexpr const char* kHere = TELEOP_SOURCE_DIR "/tests/recording";
 
 /// What a command prints, or nothing when it fails.
 std::string output_of(const std::string& command) {
@@ -31,7 +31,7 @@ std::string output_of(const std::string& command) {
 /// What MCAP's reference library says of a file. Null when it refuses it.
 json read_by_reference(const std::filesystem::path& log) {
   const std::string text =
-      output_of("node '" + (kHere / "mcap_check.mjs").string() + "' '" + log.string() + "'");
+      output_of(std::string{"node '"} + kHere + "/mcap_check.mjs' '" + log.string() + "'");
   return text.empty() ? json{} : json::parse(text);
 }
 
@@ -39,7 +39,7 @@ class ReferenceLibrary : public ::testing::Test {
  protected:
   void SetUp() override {
     if (output_of("node --version 2>/dev/null").empty()) GTEST_SKIP() << "node is absent";
-    if (!std::filesystem::exists(kHere / "node_modules")) {
+    if (!std::filesystem::exists(std::filesystem::path{kHere} / "node_modules")) {
       GTEST_SKIP() << "@mcap/core is absent: npm ci --prefix tests/recording";
     }
   }
