@@ -119,7 +119,8 @@ TEST(StickSlip, ComesLooseWithinAStepWhenAHandPullsEverHarder) {
 
 TEST(StickSlip, FindsStopsThatAreShorterThanAStep) {
   // Drawn by a spring at a speed that falls a little, the joint swings about that speed from rest
-  // to twice of it and back to just below rest: once a swing it stops, for a fifth of a millisecond.
+  // to twice of it and back to just below rest: once a swing it stops, for a fifth of a
+  // millisecond.
   constexpr double kSpeed = 0.0043;
   std::vector<HandKnot> line;
   for (double t = 0.0; t < 3.0; t += 1e-3) {
