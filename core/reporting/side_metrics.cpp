@@ -50,7 +50,8 @@ void measure_turns(const Log& log, const Samples& samples, SideMetrics& out) {
   if (out.seconds > 0.0) {
     out.rate_Hz = static_cast<double>(out.ticks - 1) / out.seconds;
     const double fitting = std::round(out.seconds * out.nominal_rate_Hz) + 1.0;
-    out.tick_share = static_cast<double>(out.ticks) / fitting;
+    // Above 1 only by the jitter of the first and the last stamp.
+    out.tick_share = std::min(static_cast<double>(out.ticks) / fitting, 1.0);
   }
   const double late_us = 0.1e6 / out.nominal_rate_Hz;
   out.late_turns = static_cast<std::uint64_t>(
@@ -154,8 +155,11 @@ void list_outages(const Side& side, SideMetrics& out) {
     peer_seen = peer_seen || (record.peer_session != 0 && !silent_now);
     const bool now = peer_seen && silent_now;
     if (now && !silent) {
+      // The limit comes on a timeout after the last packet, with which the silence began.
+      const bool told = 0 < record.peer_received_ns && record.peer_received_ns < record.stamp_ns;
+      const std::int64_t begin_ns = told ? record.peer_received_ns : record.stamp_ns;
       out.outages.push_back(
-          {.side = out.role, .t_s = side.clock.seconds(record.stamp_ns), .ended = false});
+          {.side = out.role, .t_s = side.clock.seconds(begin_ns), .ended = false});
     }
     if (!now && silent) end_with(record, true);
     silent = now;
@@ -196,8 +200,9 @@ Samples samples_of(const Log& log) {
     samples.compute_us.push_back(record.compute_us);
     const bool arrived = last == nullptr || record.peer_sequence != last->peer_sequence ||
                          record.peer_session != last->peer_session;
-    if (arrived && record.round_trip_us > 0.0)
+    if (arrived && record.round_trip_us > 0.0) {
       samples.round_trip_us.push_back(record.round_trip_us);
+    }
     const Mode mode = mode_of(record);
     const bool coupled = mode == Mode::engaging || mode == Mode::engaged;
     if (coupled && record.peer_session != 0) samples.age_ms.push_back(record.peer_age_ms);

@@ -15,6 +15,8 @@ constexpr std::size_t kRowsTold = 5;
 /// Energy below this is rounding and quantisation, not the law.
 constexpr double kNoticeable = 1e-3;  // J
 constexpr double kNominalShare = 0.99;
+/// A silence as long as this has released the coupling; a shorter one is a remark.
+constexpr double kReleased = 0.02;  // s
 
 /// "1 turn", "2 turns".
 std::string counted(std::uint64_t count, std::string_view noun) {
@@ -150,12 +152,18 @@ void tell_side(const SideMetrics& side, Words& words) {
                                          who, percent(side.tick_share), side.nominal_rate_Hz));
   }
   for (const LimitCount& limit : side.limits) {
-    // Outages tell the silence, the figure below the records.
-    const bool told_elsewhere =
-        limit.name == name_of(Limit::peer_silent) || limit.name == name_of(Limit::record_dropped);
+    // Outages tell the silence, the figures below the overruns and the records.
+    const bool told_elsewhere = limit.name == name_of(Limit::peer_silent) ||
+                                limit.name == name_of(Limit::overrun) ||
+                                limit.name == name_of(Limit::record_dropped);
     if (told_elsewhere) continue;
     words.troubles.push_back(
         fmt::format("On {} of the {}: {}.", counted(limit.ticks, "turn"), who, limit.cause));
+  }
+  if (side.overruns > 0) {
+    words.troubles.push_back(fmt::format("{} of the {} ran past {} period.",
+                                         counted(side.overruns, "turn"), who,
+                                         side.overruns == 1 ? "its" : "their"));
   }
   if (side.dropped_records > 0) {
     words.troubles.push_back(fmt::format("The log of the {} lacks {} that the recording dropped.",
@@ -197,7 +205,10 @@ std::string headline_of(const PairMetrics& m, const Words& words) {
     return m.master && m.slave ? "The two sides were never engaged together"
                                : "This side was never engaged";
   }
-  if (!m.outages.empty()) return "The link was lost and came back";
+  const bool long_lost = std::any_of(m.outages.begin(), m.outages.end(), [](const Outage& outage) {
+    return outage.length_s > kReleased;
+  });
+  if (long_lost) return "The link was lost and came back";
   return words.troubles.empty() ? "A clean run" : "A run with remarks";
 }
 

@@ -49,6 +49,18 @@ TEST(Words, OfALinkThatReturnsSayWhenAndForHowLong) {
   EXPECT_TRUE(says(words.story, "250 of 4252 packets were lost (5.88 %)"));
 }
 
+TEST(Words, OfAMomentOfSilenceRemarkItWithoutCallingTheLinkLost) {
+  const auto silent = [](TickRecord& r, double t) {
+    const bool last = t > 0.5 && t < 0.5125;
+    r.peer_received_ns = last ? 5'500'000'000 : r.stamp_ns;
+    if (last && t >= 0.510) set(r, Limit::peer_silent);
+  };
+  const Words words = words_of({.role = Role::master, .change = silent}, {.role = Role::slave});
+  EXPECT_EQ(words.headline, "A run with remarks");
+  EXPECT_TRUE(
+      says(words.troubles, "From 0.50 s the master heard nothing from the slave for 13 ms."));
+}
+
 TEST(Words, OfAPeerThatIsGoneSayThatItDidNotReturn) {
   const auto silent = [](TickRecord& r, double t) {
     if (t >= 0.5) set(r, Limit::peer_silent);
@@ -132,7 +144,7 @@ TEST(Words, NameWhatTheLoopTheRecordingAndTheLawDidWrong) {
   const Words words = describe(measure(std::vector<Log>{master, slave}));
 
   EXPECT_EQ(words.headline, "A run with remarks");
-  EXPECT_TRUE(says(words.troubles, "On 3 turns of the master: the previous turn"));
+  EXPECT_TRUE(says(words.troubles, "3 turns of the master ran past their period."));
   EXPECT_TRUE(says(words.troubles, "lacks 1 turn that the recording dropped"));
   EXPECT_TRUE(says(words.troubles, "The slave did only 90 % of the turns"));
   EXPECT_TRUE(says(words.troubles, "not whole: cut off after 1.9 s."));
