@@ -36,8 +36,9 @@ class Script {
   }
   void add_block(const char* name, const std::vector<Vector3>& line) {
     add("${} << END\n", name);
-    for (const Vector3& p : line)
+    for (const Vector3& p : line) {
       add_point(p);
+    }
     add("END\n");
   }
   void add_label(std::string_view text, const Vector3& p, std::string_view how) {
@@ -87,8 +88,9 @@ bool is_reachable(const WorkspaceMap& map, const Vector3& p) {
 
 double distance(const Vector3& p, const std::vector<Vector3>& points) {
   double nearest = std::numeric_limits<double>::infinity();
-  for (const Vector3& q : points)
+  for (const Vector3& q : points) {
     nearest = std::min(nearest, (p - q).squaredNorm());
+  }
   return std::sqrt(nearest);
 }
 
@@ -161,8 +163,9 @@ std::vector<Vector3> obstacles_to(int level,
   }
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (static_cast<int>(i) + 1 == level) continue;
-    for (std::size_t k = 0; k < lines[i].size(); k += 3)
+    for (std::size_t k = 0; k < lines[i].size(); k += 3) {
       obstacles.push_back(lines[i][k].first);
+    }
   }
   return obstacles;
 }
@@ -173,8 +176,9 @@ void add_lines(Script& script,
                const std::vector<Vector3>& outline,
                const Side& side) {
   std::vector<Segments> lines;
-  for (int level = 1; level <= kLevels; ++level)
+  for (int level = 1; level <= kLevels; ++level) {
     lines.push_back(contour(map, 0.1 * level));
+  }
   script.add("$lines << END\n");
   std::string labels;
   for (int level = 1; level <= kLevels; ++level) {

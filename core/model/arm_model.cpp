@@ -63,8 +63,9 @@ void check_ranges(ArmParameters& arm) {
     if (double* const* value = std::get_if<double*>(&setting.target)) {
       check(setting, **value, arm.name);
     } else if (auto* const* values = std::get_if<std::array<double, 3>*>(&setting.target)) {
-      for (const double each : **values)
+      for (const double each : **values) {
         check(setting, each, arm.name);
+      }
     }
   }
 }

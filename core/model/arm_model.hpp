@@ -60,7 +60,6 @@ class ArmModel {
   /// Lumped constants of M, C and N [Cavusoglu 2002, section 3; restated in docs/theory.md]:
   ///     M11 = S0 + S2 cos 2q2 − S3 cos 2q3 + K cos q2 sin q3,   M23 = −(K/2) sin(q2 − q3),
   ///     U = N2 sin q2 − N3 cos q3.
-  // NOLINTBEGIN(readability-identifier-naming): symbols of the paper
   struct Lumped {
     double K = 0.0;    ///< l1 (l2 ma + l3 mc), kg m²
     double S0 = 0.0;   ///< kg m²; S0, S2 and S3 hold the factor 1/8 of the paper's M11
@@ -71,7 +70,6 @@ class ArmModel {
     double N2 = 0.0;   ///< N m, gravity torque 2 is N2 cos q2
     double N3 = 0.0;   ///< N m, gravity torque 3 is N3 sin q3
   };
-  // NOLINTEND(readability-identifier-naming)
   [[nodiscard]] const Lumped& lumped() const noexcept { return lumped_; }
 
  private:

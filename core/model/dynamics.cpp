@@ -8,7 +8,6 @@ namespace teleop {
 namespace {
 
 /// What M, C and N share: every trigonometric function of a posture, evaluated once.
-// NOLINTBEGIN(readability-identifier-naming): symbols of the paper
 struct Terms {
   double M11 = 0.0;
   double M23 = 0.0;
@@ -17,7 +16,6 @@ struct Terms {
   double h = 0.0;  ///< −∂M23/∂q2 = ∂M23/∂q3
   double N2 = 0.0;
   double N3 = 0.0;
-  // NOLINTEND(readability-identifier-naming)
 
   Terms(const ArmModel::Lumped& arm, const JointVector& q) noexcept {
     const double c2 = std::cos(q[1]);

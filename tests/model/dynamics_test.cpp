@@ -74,8 +74,9 @@ TEST(Dynamics, MassMatrixOfAnyArmWithPositiveParametersIsPositiveDefinite) {
       *value = std::pow(10.0, random.uniform(-4.0, 1.0));
     }
     for (auto* inertia : {&any.Ia_kg_m2, &any.Ic_kg_m2, &any.Ibe_kg_m2, &any.Idf_kg_m2}) {
-      for (double& value : *inertia)
+      for (double& value : *inertia) {
         value = std::pow(10.0, random.uniform(-6.0, 0.0));
+      }
     }
     const JointMatrix M = mass_matrix(ArmModel{any}, testing::random_posture(random));
     ASSERT_EQ(Eigen::LLT<JointMatrix>{M}.info(), Eigen::Success) << M;

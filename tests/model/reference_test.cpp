@@ -37,8 +37,9 @@ Vector3 vector(const json& list) { return Vector3{list.get<std::array<double, 3>
 template <int Rows>
 Eigen::Matrix<double, Rows, 3> matrix(const json& rows) {
   Eigen::Matrix<double, Rows, 3> result;
-  for (int i = 0; i < Rows; ++i)
+  for (int i = 0; i < Rows; ++i) {
     result.row(i) = vector(rows.at(static_cast<std::size_t>(i)));
+  }
   return result;
 }
 
@@ -108,8 +109,9 @@ TEST_F(Reference, EnergiesToolMassAndTorqueOfAWrenchAgree) {
         agrees(mass.value_or(Matrix3::Zero()), matrix<3>(pose.at("Lambda_cartesian_mass"))));
 
     Eigen::Matrix<double, 6, 1> F;
-    for (int i = 0; i < 6; ++i)
+    for (int i = 0; i < 6; ++i) {
       F[i] = pose.at("wrench_hybrid_in").at(static_cast<std::size_t>(i)).get<double>();
+    }
     const JointVector tau = hybrid_jacobian(arm_, q).transpose() * F;
     EXPECT_TRUE(agrees(tau, vector(pose.at("tau_from_wrench"))));
   }

@@ -34,8 +34,9 @@ double area_of(const std::vector<Vector3>& polygon) {
 
 double distance_to(const std::vector<Vector3>& polygon, const Vector3& p) {
   double nearest = std::numeric_limits<double>::infinity();
-  for (const Vector3& q : polygon)
+  for (const Vector3& q : polygon) {
     nearest = std::min(nearest, (p - q).norm());
+  }
   return nearest;
 }
 
