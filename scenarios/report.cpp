@@ -56,6 +56,7 @@ int run_report(const std::vector<std::string>& logs, fs::path out, const fs::pat
   }
 
   std::vector<Log> runs;
+  runs.reserve(logs.size());
   for (const std::string& log : logs) {
     runs.push_back(read_log(log));
   }

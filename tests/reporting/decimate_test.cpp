@@ -11,7 +11,7 @@
 namespace teleop {
 namespace {
 
-const double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 TEST(TimeGrid, IsNoFinerThanAskedAndHasNoMoreBucketsThanAllowed) {
   const TimeGrid fine = TimeGrid::over(1.0, 0.002, 2000);

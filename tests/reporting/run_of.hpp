@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <functional>
 #include <numbers>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -55,6 +57,13 @@ inline std::function<Vector3(double)> sine(double amplitude_m, double f_Hz, doub
   return [=](double t_s) {
     return Vector3{amplitude_m * std::sin(2.0 * std::numbers::pi * f_Hz * (t_s - lag_s)), 0.0, 0.0};
   };
+}
+
+/// The value of what must be there: an exception fails the test that asks.
+template <class Value>
+const Value& there(const std::optional<Value>& value) {
+  if (!value) throw std::logic_error{"absent"};
+  return *value;
 }
 
 inline void set(TickRecord& record, Limit limit) {
