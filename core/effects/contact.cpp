@@ -10,8 +10,8 @@
 namespace teleop {
 namespace {
 
-/// The depth for which rate() is meant: a soft block is rarely pressed further.
-constexpr double kDeepest_m = 0.02;
+/// The depth in m for which rate() is meant: a soft block is rarely pressed further.
+constexpr double kDeepest = 0.02;
 
 void require(bool condition, const char* what) {
   if (!condition) throw ConfigError{fmt::format("contact: {}", what)};
@@ -76,14 +76,14 @@ double Contact::rate(double mass_kg) const noexcept {
     return std::max(std::sqrt(config_.stiffness / mass_kg), config_.damping / mass_kg);
   }
   const double e = config_.exponent;
-  const double stiffness = e * config_.stiffness * std::pow(kDeepest_m, e - 1.0);
-  const double damping = config_.stiffness * power_law(kDeepest_m, e) * config_.damping;
+  const double stiffness = e * config_.stiffness * std::pow(kDeepest, e - 1.0);
+  const double damping = config_.stiffness * power_law(kDeepest, e) * config_.damping;
   return std::max(std::sqrt(stiffness / mass_kg), damping / mass_kg);
 }
 
 std::optional<Contact> environment(std::string_view name) {
   if (name == "free") return std::nullopt;
-  Contact::Config surface{.point_m = {kSurface_m, 0.0, 0.0}, .normal = {-1.0, 0.0, 0.0}};
+  Contact::Config surface{.point_m = {kSurfaceOffset, 0.0, 0.0}, .normal = {-1.0, 0.0, 0.0}};
   if (name == "wall") {
     // Assumed: about ten times the largest stable gain of a pair, so that the coupling is the
     // softest spring of the chain; damping about a fifth of critical with the 77 g of the arm along

@@ -68,11 +68,11 @@ class Contact {
   Config config_;
 };
 
-/// Where the surfaces of environment() are: that far to the right of home.
-inline constexpr double kSurface_m = 0.02;
+/// Where the surfaces of environment() are: that far to the right of home, m.
+inline constexpr double kSurfaceOffset = 0.02;
 
 /// The surroundings by the name that command lines use: "free" (none), "soft" or "wall", both a
-/// plane across x at kSurface_m, so that yawing to the right meets it.
+/// plane across x at kSurfaceOffset, so that yawing to the right meets it.
 /// @throws ConfigError listing the names.
 [[nodiscard]] std::optional<Contact> environment(std::string_view name);
 

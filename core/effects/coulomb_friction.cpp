@@ -26,7 +26,7 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
 
 }  // namespace
 
-const EffectKind kCoulombFriction{
+const EffectKind coulomb_friction{
     .name = "coulomb_friction",
     .law = "f = -level (1 + asymmetry sgn(q')) sgn(q'), sticking in between at rest",
     .parameters = kParameters,

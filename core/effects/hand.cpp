@@ -14,7 +14,7 @@ namespace {
 
 bool is_size(double value) { return std::isfinite(value) && value >= 0.0; }
 
-constexpr double kPressDepth_m = 0.01;
+constexpr double kPressDepth = 0.01;  // m
 
 }  // namespace
 
@@ -28,7 +28,9 @@ Hand::Hand(const Config& config, HandMotion motion)
 }
 
 HandKnot Hand::next_knot() noexcept {
-  return std::visit([](auto& motion) noexcept { return motion.next(); }, motion_);
+  if (auto* const motion = std::get_if<PointMotion>(&motion_)) return motion->next();
+  if (auto* const motion = std::get_if<RepeatedMotion>(&motion_)) return motion->next();
+  return std::get_if<ReachMotion>(&motion_)->next();
 }
 
 void Hand::next_interval() noexcept {
@@ -57,7 +59,7 @@ std::optional<Hand> make_hand(const std::string& name,
   if (name == "hold") return Hand{config, PointMotion{start, start, seconds{1}}};
   if (name == "reach") return Hand{config, ReachMotion{{.centre_m = start, .seed = seed}}};
   if (name == "press") {
-    const Vector3 goal{kSurface_m + kPressDepth_m, start.y(), start.z()};
+    const Vector3 goal{kSurfaceOffset + kPressDepth, start.y(), start.z()};
     return Hand{config, PointMotion{start, goal, seconds{2}}};
   }
   return Hand{config, RepeatedMotion{start, closed_loop_of(read_hand_trace(name), arm)}};

@@ -10,11 +10,12 @@
 namespace teleop {
 namespace {
 
-const double kKnot_s = seconds(kKnotPeriod);
+// In seconds, where not in knots.
+constexpr double kKnot = seconds(kKnotPeriod);
 constexpr double kGrowthKnots = 1000.0;
 constexpr std::size_t kApproachKnots = 1000;
-const double kApproach_s = kKnot_s * static_cast<double>(kApproachKnots);
-constexpr double kShortestReach_s = 0.4;
+constexpr double kApproach = kKnot * static_cast<double>(kApproachKnots);
+constexpr double kShortestReach = 0.4;
 
 HandKnot point_between(const Vector3& from, const Vector3& to, double u, double duration) noexcept {
   return {.p = from + minimum_jerk(u) * (to - from),
@@ -34,12 +35,12 @@ double minimum_jerk_rate(double u) noexcept {
 }
 
 PointMotion::PointMotion(const Vector3& from, const Vector3& to, Duration duration)
-    : from_{from}, to_{to}, knots_{seconds(duration) / kKnot_s} {
+    : from_{from}, to_{to}, knots_{seconds(duration) / kKnot} {
   expects(knots_ > 0.0, "a motion takes time");
 }
 
 HandKnot PointMotion::next() noexcept {
-  const HandKnot knot = point_between(from_, to_, knot_ / knots_, knots_ * kKnot_s);
+  const HandKnot knot = point_between(from_, to_, knot_ / knots_, knots_ * kKnot);
   knot_ = std::min(knot_ + 1.0, knots_);
   return knot;
 }
@@ -49,15 +50,15 @@ RepeatedMotion::RepeatedMotion(const Vector3& from, std::vector<HandKnot> loop)
   expects(!loop_.empty(), "a repeated motion has knots");
 }
 
-/// The path of least jerk to the loop's first knot, and in its last kEntry_s the one quintic that
+/// The path of least jerk to the loop's first knot, and in its last kEntry the one quintic that
 /// is zero but for the speed 1 at its end, so that the loop is entered at its own speed.
 HandKnot RepeatedMotion::approach(double t) const noexcept {
-  constexpr double kEntry_s = 0.2;
-  HandKnot knot = point_between(from_, loop_.front().p, t / kApproach_s, kApproach_s);
-  const double u = std::max(0.0, 1.0 - (kApproach_s - t) / kEntry_s);
+  constexpr double kEntry = 0.2;
+  HandKnot knot = point_between(from_, loop_.front().p, t / kApproach, kApproach);
+  const double u = std::max(0.0, 1.0 - (kApproach - t) / kEntry);
   const double entry = u * u * u * (-4.0 + u * (7.0 - 3.0 * u));
   const double entry_rate = u * u * (-12.0 + u * (28.0 - 15.0 * u));
-  knot.p += entry * kEntry_s * loop_.front().v;
+  knot.p += entry * kEntry * loop_.front().v;
   knot.v += entry_rate * loop_.front().v;
   return knot;
 }
@@ -65,7 +66,7 @@ HandKnot RepeatedMotion::approach(double t) const noexcept {
 HandKnot RepeatedMotion::next() noexcept {
   const std::size_t knot = knot_++;
   if (knot < kApproachKnots) {
-    return approach(kKnot_s * static_cast<double>(knot));
+    return approach(kKnot * static_cast<double>(knot));
   }
   if (knot_ == kApproachKnots + loop_.size()) knot_ = kApproachKnots;
   return loop_[knot - kApproachKnots];
@@ -79,8 +80,8 @@ ReachMotion::ReachMotion(const Config& config)
       each.frequency = 2.0 * std::numbers::pi * random_.uniform(8.0, 12.0);
       each.cosine = std::cos(phase);
       each.sine = std::sin(phase);
-      each.turn_cosine = std::cos(each.frequency * kKnot_s);
-      each.turn_sine = std::sin(each.frequency * kKnot_s);
+      each.turn_cosine = std::cos(each.frequency * kKnot);
+      each.turn_sine = std::sin(each.frequency * kKnot);
     }
   }
   choose_reach();
@@ -91,9 +92,9 @@ void ReachMotion::choose_reach() noexcept {
   for (Eigen::Index i = 0; i < 3; ++i) {
     to_[i] = config_.centre_m[i] + config_.half_size_m[i] * random_.uniform(-1.0, 1.0);
   }
-  const double duration = std::max(kShortestReach_s, (to_ - from_).norm() / config_.speed_m_per_s);
-  reach_knots_ = std::round(duration / kKnot_s);
-  pause_knots_ = std::round(random_.uniform(0.15, 0.5) / kKnot_s);
+  const double duration = std::max(kShortestReach, (to_ - from_).norm() / config_.speed_m_per_s);
+  reach_knots_ = std::round(duration / kKnot);
+  pause_knots_ = std::round(random_.uniform(0.15, 0.5) / kKnot);
   knot_ = 0.0;
 }
 
@@ -113,11 +114,11 @@ HandKnot ReachMotion::tremor() noexcept {
 }
 
 HandKnot ReachMotion::next() noexcept {
-  HandKnot knot = point_between(from_, to_, knot_ / reach_knots_, reach_knots_ * kKnot_s);
+  HandKnot knot = point_between(from_, to_, knot_ / reach_knots_, reach_knots_ * kKnot);
   HandKnot shake = tremor();
   if (started_ < kGrowthKnots) {
     const double growth = minimum_jerk(started_ / kGrowthKnots);
-    const double rate = minimum_jerk_rate(started_ / kGrowthKnots) / (kGrowthKnots * kKnot_s);
+    const double rate = minimum_jerk_rate(started_ / kGrowthKnots) / (kGrowthKnots * kKnot);
     shake.v = growth * shake.v + rate * shake.p;
     shake.p *= growth;
     started_ += 1.0;

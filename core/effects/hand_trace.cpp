@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <memory>
 #include <optional>
 
 #include <fmt/format.h>
@@ -20,10 +21,12 @@ std::vector<std::string_view> cells_of(std::string_view line) {
   while (true) {
     const std::size_t comma = line.find(',');
     std::string_view cell = line.substr(0, comma);
-    while (!cell.empty() && cell.front() == ' ')
+    while (!cell.empty() && cell.front() == ' ') {
       cell.remove_prefix(1);
-    while (!cell.empty() && cell.back() == ' ')
+    }
+    while (!cell.empty() && cell.back() == ' ') {
       cell.remove_suffix(1);
+    }
     cells.push_back(cell);
     if (comma == std::string_view::npos) return cells;
     line.remove_prefix(comma + 1);
@@ -32,8 +35,9 @@ std::vector<std::string_view> cells_of(std::string_view line) {
 
 std::optional<double> finite_number(std::string_view cell) {
   double value = 0.0;
-  const char* const end = cell.data() + cell.size();
-  const auto [stopped, error] = std::from_chars(cell.data(), end, value);
+  const char* const begin = std::to_address(cell.begin());
+  const char* const end = begin + cell.size();
+  const auto [stopped, error] = std::from_chars(begin, end, value);
   if (error != std::errc{} || stopped != end || !std::isfinite(value)) return std::nullopt;
   return value;
 }
@@ -112,12 +116,12 @@ void add_row(const Columns& columns,
 
 /// Bends the end of the trace to its beginning, at no more than kClosingSpeed on average.
 void close(HandTrace& trace, double metres_per_unit) {
-  constexpr double kClosingSpeed_m_per_s = 0.1;
-  constexpr double kShortest_s = 0.1;
+  constexpr double kClosingSpeed = 0.1;
+  constexpr double kShortest = 0.1;
   const Vector3 gap = trace.values.front() - trace.values.back();
   const double length = trace.t_s.back() - trace.t_s.front();
-  const double wanted = gap.norm() * metres_per_unit / kClosingSpeed_m_per_s;
-  const double blend = std::min(std::max(wanted, kShortest_s), length / 2.0);
+  const double wanted = gap.norm() * metres_per_unit / kClosingSpeed;
+  const double blend = std::min(std::max(wanted, kShortest), length / 2.0);
   for (std::size_t i = 0; i < trace.t_s.size(); ++i) {
     trace.values[i] += minimum_jerk(1.0 - (trace.t_s.back() - trace.t_s[i]) / blend) * gap;
   }
@@ -190,8 +194,9 @@ std::vector<HandKnot> closed_loop_of(const HandTrace& trace, const ArmModel& arm
   std::size_t i = 0;
   for (double k = 0.0; k < knots; k += 1.0) {
     const double t = closed.t_s.front() + length * k / knots;
-    while (i + 2 < closed.t_s.size() && closed.t_s[i + 1] <= t)
+    while (i + 2 < closed.t_s.size() && closed.t_s[i + 1] <= t) {
       ++i;
+    }
     const double step = closed.t_s[i + 1] - closed.t_s[i];
     HandKnot knot =
         hermite({closed.values[i], tangents[i]}, {closed.values[i + 1], tangents[i + 1]}, step,

@@ -40,8 +40,9 @@ std::string place_of(const toml::node& node, const std::string& file) {
 
 std::string allowed_keys(const Settings& settings) {
   std::string list;
-  for (const Setting& setting : settings.list())
+  for (const Setting& setting : settings.list()) {
     list += setting.key + ", ";
+  }
   return list + "[[effect]]";
 }
 
@@ -175,8 +176,9 @@ std::string to_toml(const PlantSpec& plant) {
   for (const EffectSpec& effect : plant.effects) {
     out += fmt::format("\n[[effect]]\nkind = \"{}\"\n", effect.kind);
     if (effect.axis) out += fmt::format("axis = {}\n", *effect.axis + 1);
-    for (const auto& [name, value] : effect.parameters)
+    for (const auto& [name, value] : effect.parameters) {
       out += fmt::format("{} = {}\n", name, value);
+    }
   }
   return out;
 }

@@ -26,7 +26,7 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
 
 }  // namespace
 
-const EffectKind kViscousFriction{
+const EffectKind viscous_friction{
     .name = "viscous_friction",
     .law = "f = -coefficient (1 + asymmetry sgn(q')) q'",
     .parameters = kParameters,

@@ -5,6 +5,6 @@
 namespace teleop {
 
 /// Viscous friction of a joint, f = −coefficient (1 + asymmetry sgn q̇) q̇.
-extern const EffectKind kViscousFriction;
+extern const EffectKind viscous_friction;
 
 }  // namespace teleop

@@ -15,8 +15,8 @@ namespace teleop {
 namespace {
 
 constexpr std::array kVocabulary{
-    &kViscousFriction,
-    &kCoulombFriction,
+    &viscous_friction,
+    &coulomb_friction,
 };
 
 template <class Named>
@@ -88,8 +88,9 @@ void check(const EffectSpec& effect) {
                                     kind.per_axis ? "axis, " : "", names_of(kind.parameters))};
     }
   }
-  for (const EffectParameter& parameter : kind.parameters)
+  for (const EffectParameter& parameter : kind.parameters) {
     value_of(effect, parameter);
+  }
 }
 
 PlantTerms terms_of(std::span<const EffectSpec> effects) {

@@ -20,8 +20,8 @@ namespace teleop {
 class JointStops {
  public:
   static constexpr std::size_t kNumber = 8;
-  static constexpr double kStiffness_Nm_per_rad = 5000.0;
-  static constexpr double kDamping_Nms_per_rad = 2.5;
+  static constexpr double kStiffness = 5000.0;  ///< k, N m/rad
+  static constexpr double kDamping = 2.5;       ///< d, N m s/rad
 
   /// Which of them push, a bit each.
   using Set = std::uint32_t;
@@ -49,7 +49,7 @@ class JointStops {
                                    const JointVector& q,
                                    const JointVector& qd) const noexcept {
     const double p = depth(stop, q);
-    return std::min(p, p + kDamping_Nms_per_rad / kStiffness_Nm_per_rad * depth_rate(stop, qd));
+    return std::min(p, p + kDamping / kStiffness * depth_rate(stop, qd));
   }
 
   [[nodiscard]] Set pushing(const JointVector& q, const JointVector& qd) const noexcept {
@@ -63,8 +63,9 @@ class JointStops {
   /// Positive while exactly the stops of a set push.
   [[nodiscard]] double margin(Set set, const JointVector& q, const JointVector& qd) const noexcept {
     double deepest = depth(0, q);
-    for (std::size_t stop = 1; stop < kNumber; ++stop)
+    for (std::size_t stop = 1; stop < kNumber; ++stop) {
       deepest = std::max(deepest, depth(stop, q));
+    }
     if (set == 0 && deepest < 0.0) return -deepest;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t stop = 0; stop < kNumber; ++stop) {
@@ -81,8 +82,7 @@ class JointStops {
     JointVector sum = JointVector::Zero();
     for (std::size_t stop = 0; stop < kNumber; ++stop) {
       if ((set & (Set{1} << stop)) == 0) continue;
-      const double push =
-          kStiffness_Nm_per_rad * depth(stop, q) + kDamping_Nms_per_rad * depth_rate(stop, qd);
+      const double push = kStiffness * depth(stop, q) + kDamping * depth_rate(stop, qd);
       if (stop < 6) {
         sum[static_cast<Eigen::Index>(stop / 2)] += stop % 2 == 0 ? push : -push;
       } else {
@@ -97,7 +97,7 @@ class JointStops {
     double sum = 0.0;
     for (std::size_t stop = 0; stop < kNumber; ++stop) {
       const double p = std::max(depth(stop, q), 0.0);
-      sum += kStiffness_Nm_per_rad * p * p / 2.0;
+      sum += kStiffness * p * p / 2.0;
     }
     return sum;
   }

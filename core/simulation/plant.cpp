@@ -9,26 +9,32 @@
 namespace teleop {
 namespace {
 
-constexpr double kEventTolerance_s = 1e-12;
-/// After so many events in one stretch of time the rest passes in steps of at least kCrowdedStep_s,
+constexpr double kEventTolerance = 1e-12;  // s
+/// After so many events in one stretch of time the rest passes in steps of at most kCrowdedStep,
 /// whose events are taken at their ends, so that time goes on whatever happens.
 constexpr int kMaxEvents = 1000;
-constexpr double kCrowdedStep_s = 2e-5;
-/// Share of the shortest time constant that a step may take: an error of 1e-5 of a vibration a
-/// step.
+constexpr double kCrowdedStep = 2e-5;  // s
+/// Share of the shortest time constant that a step may take: it errs 1e-5 of a vibration a step.
 constexpr double kStepOverTimeConstant = 0.25;
 
-/// Whether a function that is positive at both ends of a step dips below zero inside; by the cubic
-/// through its values f and slopes d.
-bool dips_below_zero(double h, double f0, double d0, double f1, double d1, double& where) noexcept {
-  if (d0 >= 0.0 || d1 <= 0.0 || f0 <= 0.0) return false;
-  const double u = d0 / (d0 - d1);
-  const double rise = f1 - f0;
-  const double lowest =
-      f0 + u * (h * d0 + u * (3.0 * rise - h * (2.0 * d0 + d1) + u * (h * (d0 + d1) - 2.0 * rise)));
-  if (lowest >= 0.0) return false;
-  where = u * h;
-  return true;
+/// A quantity over a step: its values and slopes at both ends.
+struct Course {
+  double value0 = 0.0;
+  double slope0 = 0.0;
+  double value1 = 0.0;
+  double slope1 = 0.0;
+};
+
+/// Where inside a step a quantity that is positive at both ends dips below zero, if its cubic does.
+std::optional<double> dip_of(double h, const Course& f) noexcept {
+  if (f.slope0 >= 0.0 || f.slope1 <= 0.0 || f.value0 <= 0.0) return std::nullopt;
+  const double u = f.slope0 / (f.slope0 - f.slope1);
+  const double rise = f.value1 - f.value0;
+  const double c2 = 3.0 * rise - h * (2.0 * f.slope0 + f.slope1);
+  const double c3 = h * (f.slope0 + f.slope1) - 2.0 * rise;
+  const double lowest = f.value0 + u * (h * f.slope0 + u * (c2 + u * c3));
+  if (lowest >= 0.0) return std::nullopt;
+  return u * h;
 }
 
 }  // namespace
@@ -57,8 +63,8 @@ Plant::Plant(const ArmModel& arm, const Config& config)
   };
   calm_step_ = step_for(seconds(config.max_step), rate);
   contact_step_ = config.contact ? step_for(calm_step_, config.contact->rate(mass)) : calm_step_;
-  stop_step_ = step_for(calm_step_, std::max(std::sqrt(JointStops::kStiffness_Nm_per_rad / inertia),
-                                             JointStops::kDamping_Nms_per_rad / inertia));
+  stop_step_ = step_for(calm_step_, std::max(std::sqrt(JointStops::kStiffness / inertia),
+                                             JointStops::kDamping / inertia));
   settle();
 }
 
@@ -86,7 +92,8 @@ inline JointVector Plant::smooth_torque(const JointVector& q,
 inline Vector3 Plant::tool_force(double s, const Look& at) const noexcept {
   Vector3 force = Vector3::Zero();
   if (config_.hand) force += config_.hand->pull(s, at.tool.p, at.tool.v);
-  if (touching_) force += config_.contact->smooth_force(at.depth) * at.depth.normal;
+  if (touching_ && config_.contact)
+    force += config_.contact->smooth_force(at.depth) * at.depth.normal;
   return force;
 }
 
@@ -126,7 +133,7 @@ inline JointVector Plant::acceleration(double s,
   if (config_.hand || touching_) {
     Look at;
     at.tool = body_.tool(angles, qd);
-    if (touching_) at.depth = config_.contact->depth(at.tool.p, at.tool.v);
+    if (touching_ && config_.contact) at.depth = config_.contact->depth(at.tool.p, at.tool.v);
     net += body_.torque(angles, tool_force(s, at));
   }
   return accelerate(inertia, config_.terms.friction, net, sliding_).qdd;
@@ -172,20 +179,23 @@ Plant::Trial Plant::step(double h) noexcept {
   return end;
 }
 
-/// Whether a speed or the distance to the surface turns inside the step beyond its zero.
-bool Plant::dips(double h, const Trial& end, double& where) const noexcept {
+/// Where a speed or the distance to the surface turns inside the step beyond its zero, if so.
+std::optional<double> Plant::dip(double h, const Trial& end) const noexcept {
   for (std::size_t i = 0; i < kJoints; ++i) {
     if (!config_.terms.friction[i].has_corner() || sliding_[i] == Sliding::stuck) continue;
     const auto joint = static_cast<Eigen::Index>(i);
     const auto sign = static_cast<double>(sliding_[i]);
-    if (dips_below_zero(h, sign * qd_[joint], sign * now_.motion.qdd[joint], sign * end.qd[joint],
-                        sign * end.look.motion.qdd[joint], where)) {
-      return true;
-    }
+    const Course speed{.value0 = sign * qd_[joint],
+                       .slope0 = sign * now_.motion.qdd[joint],
+                       .value1 = sign * end.qd[joint],
+                       .slope1 = sign * end.look.motion.qdd[joint]};
+    if (const auto where = dip_of(h, speed)) return where;
   }
-  if (!config_.contact || touching_) return false;
-  return dips_below_zero(h, -now_.depth.p, -now_.depth.p_rate, -end.look.depth.p,
-                         -end.look.depth.p_rate, where);
+  if (!config_.contact || touching_) return std::nullopt;
+  return dip_of(h, {.value0 = -now_.depth.p,
+                    .slope0 = -now_.depth.p_rate,
+                    .value1 = -end.look.depth.p,
+                    .slope1 = -end.look.depth.p_rate});
 }
 
 /// The end of the longest step after which the forms hold no more by less than the tolerance.
@@ -196,7 +206,7 @@ double Plant::locate(double h, Trial& end) noexcept {
   double high = h;
   double margin_high = end.margin;
   // A joint that just came loose starts on the very border: look for a place beyond it.
-  while (margin_low <= 0.0 && high > kEventTolerance_s) {
+  while (margin_low <= 0.0 && high > kEventTolerance) {
     const Trial trial = step(high / 2.0);
     if (trial.margin > 0.0) {
       low = high / 2.0;
@@ -210,13 +220,13 @@ double Plant::locate(double h, Trial& end) noexcept {
   // Regula falsi, the Illinois way: the end that stays twice counts half. Should that be slow,
   // halves.
   constexpr int kPatience = 20;
-  constexpr double kGuard_s = kEventTolerance_s / 2.0;
+  constexpr double kGuard = kEventTolerance / 2.0;
   int last_side = 0;
-  for (int i = 0; high - low > kEventTolerance_s; ++i) {
+  for (int i = 0; high - low > kEventTolerance; ++i) {
     const double guess = i < kPatience
                              ? (low * margin_high - high * margin_low) / (margin_high - margin_low)
                              : (low + high) / 2.0;
-    const double x = std::clamp(guess, low + kGuard_s, high - kGuard_s);
+    const double x = std::clamp(guess, low + kGuard, high - kGuard);
     const Trial trial = step(x);
     if (trial.margin < 0.0) {
       high = x;
@@ -282,15 +292,14 @@ void Plant::integrate(double length, EncoderEdges* edges) noexcept {
     const auto steps = static_cast<int>(left / longest_step() + 0.999'999);
     double h = steps <= 1 ? left : left / static_cast<double>(steps);
     const bool crowded = events >= kMaxEvents;
-    if (crowded) h = std::min(h, kCrowdedStep_s);
+    if (crowded) h = std::min(h, kCrowdedStep);
 
     Trial end = step(h);
-    double where = 0.0;
-    if (end.margin >= 0.0 && !crowded && dips(h, end, where)) {
-      const Trial inside = step(where);
+    if (const auto where = end.margin >= 0.0 && !crowded ? dip(h, end) : std::nullopt) {
+      const Trial inside = step(*where);
       if (inside.margin < 0.0) {
         end = inside;
-        h = where;
+        h = *where;
       }
     }
     const bool event = end.margin < 0.0;
@@ -320,7 +329,7 @@ void Plant::advance(Duration span, EncoderEdges* edges) noexcept {
     span -= part;
     time_ += part;
     since_knot_ = config_.hand ? since_knot_ + part : Duration{0};
-    if (since_knot_ == kKnotPeriod) {
+    if (config_.hand && since_knot_ == kKnotPeriod) {
       config_.hand->next_interval();
       since_knot_ = Duration{0};
     }
@@ -341,7 +350,9 @@ const SlidingModes& Plant::sliding() noexcept {
 Plant::ToolForces Plant::tool_forces() noexcept {
   refresh();
   ToolForces forces;
-  if (touching_) forces.contact = config_.contact->force(now_.depth) * now_.depth.normal;
+  if (touching_ && config_.contact) {
+    forces.contact = config_.contact->force(now_.depth) * now_.depth.normal;
+  }
   if (config_.hand) {
     forces.hand =
         config_.hand->pull(s_, now_.tool.p, now_.tool.v) -

@@ -102,7 +102,7 @@ class Plant {
                               const JointVector& qd,
                               const Look& at) const noexcept;
   [[nodiscard]] Trial step(double h) noexcept;
-  [[nodiscard]] bool dips(double h, const Trial& end, double& where) const noexcept;
+  [[nodiscard]] std::optional<double> dip(double h, const Trial& end) const noexcept;
   [[nodiscard]] double locate(double h, Trial& end) noexcept;
   [[nodiscard]] double longest_step() const noexcept;
   void integrate(double length, EncoderEdges* edges) noexcept;

@@ -195,7 +195,7 @@ TEST(Hand, PressesBehindTheSurfaceAndRestsThere) {
   std::optional<Hand> hand = make_hand("press", arm(), Vector3::Zero(), 1, {});
   for (int k = 0; k < 2500; ++k)
     hand->next_interval();
-  EXPECT_NEAR(hand->target(0.0).p.x(), kSurface_m + 0.01, 1e-15);
+  EXPECT_NEAR(hand->target(0.0).p.x(), kSurfaceOffset + 0.01, 1e-15);
   EXPECT_NEAR(hand->target(0.0005).v.norm(), 0.0, 1e-12);
 }
 
