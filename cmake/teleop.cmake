@@ -70,10 +70,10 @@ function(teleop_program path name)
   target_link_libraries(${name} PRIVATE teleop_warnings ${ARG_DEPENDS})
 endfunction()
 
-# teleop_test(control LABEL unit DEPENDS …): every tests/control/*_test.cpp in one program; the
-# target tests-LABEL builds all programs of a label.
+# teleop_test(control LABEL unit [SERIAL] DEPENDS …): every tests/control/*_test.cpp in one program; the
+# target tests-LABEL builds all programs of a label. SERIAL keeps other tests away from real time.
 function(teleop_test name)
-  cmake_parse_arguments(ARG "" "LABEL" "DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "SERIAL" "LABEL" "DEPENDS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tests/${name}/*_test.cpp)
   if(NOT sources)
     return()
@@ -89,5 +89,5 @@ function(teleop_test name)
   endif()
   add_dependencies(tests-${ARG_LABEL} ${name}_test)
   gtest_discover_tests(${name}_test TEST_PREFIX ${ARG_LABEL}. DISCOVERY_TIMEOUT 60
-                       PROPERTIES LABELS ${ARG_LABEL})
+                       PROPERTIES LABELS ${ARG_LABEL} RUN_SERIAL ${ARG_SERIAL})
 endfunction()

@@ -48,8 +48,9 @@ Lateness run_ours(double length_s) {
     station.stop();
   }};
   loop.join();
-  for (const std::string& line : refused)
+  for (const std::string& line : refused) {
     std::fprintf(stderr, "real time: %s\n", line.c_str());
+  }
   std::sort(lateness_us.begin(), lateness_us.end());
   const auto at = [&](double q) {
     return lateness_us[static_cast<std::size_t>(q * static_cast<double>(lateness_us.size() - 1))];
@@ -78,8 +79,9 @@ Lateness run_cyclictest(double length_s) {
     counts[us] = count;
   }
   double total = 0.0;
-  for (const double count : counts)
+  for (const double count : counts) {
     total += count;
+  }
   if (total == 0.0) {
     throw ConfigError{
         "cyclictest gave no figures: install the package rt-tests, and run with the right to "
@@ -101,8 +103,9 @@ Lateness run_cyclictest(double length_s) {
 }  // namespace
 
 int bench_loop(const BenchOptions& options) {
-  for (const std::string& line : prepare_process())
+  for (const std::string& line : prepare_process()) {
     std::fprintf(stderr, "real time: %s\n", line.c_str());
+  }
   const auto pairs = std::max(1, static_cast<int>(options.seconds / (2.0 * kBlock_s)));
   const double block_s = std::min(kBlock_s, options.seconds / 2.0);
   std::vector<double> p50;

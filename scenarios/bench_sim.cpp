@@ -17,8 +17,9 @@ int bench_sim(const BenchOptions& options) {
   std::uint64_t steps = 0;
   double wall_s = 0.0;
   while (wall_s < options.seconds) {
-    for (int i = 0; i < 1000; ++i)
+    for (int i = 0; i < 1000; ++i) {
       pair.step();
+    }
     steps += 1000;
     wall_s = std::chrono::duration<double>(WallClock::now() - begin).count();
   }

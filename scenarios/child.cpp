@@ -56,8 +56,9 @@ Child::Child(std::string name, const std::vector<std::string>& command) : name_{
   std::vector<std::string> words = command;
   std::vector<char*> arguments;
   arguments.reserve(words.size() + 1);
-  for (std::string& word : words)
+  for (std::string& word : words) {
     arguments.push_back(word.data());
+  }
   arguments.push_back(nullptr);
 
   const Attributes attributes;
@@ -108,8 +109,9 @@ std::optional<std::string> Child::newest_line() {
   while (read_more(0)) {
   }
   std::optional<std::string> newest;
-  while (buffer_.find('\n') != std::string::npos)
+  while (buffer_.find('\n') != std::string::npos) {
     newest = next_line(0);
+  }
   return newest;
 }
 
@@ -133,13 +135,12 @@ int Child::end(int patience_ms) noexcept {
     }
     sleep_ms(kStep_ms);
   }
-  if (!exit_code()) {
-    kill(id_, SIGKILL);
-    int status = 0;
-    waitpid(id_, &status, 0);
-    exit_code_ = 128 + SIGKILL;
-  }
-  return *exit_code_;
+  if (const auto code = exit_code()) return *code;
+  kill(id_, SIGKILL);
+  int status = 0;
+  waitpid(id_, &status, 0);
+  exit_code_ = 128 + SIGKILL;
+  return 128 + SIGKILL;
 }
 
 std::string sibling_program(const std::string& name) {

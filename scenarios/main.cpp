@@ -146,8 +146,9 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     throw ConfigError{std::string{error.what()} + "; --help lists what there is"};
   }
-  if (!action)
+  if (!action) {
     throw ConfigError{"say what to do, for example: teleop loopback; --help lists what there is"};
+  }
   return action();
 }
 

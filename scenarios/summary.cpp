@@ -48,10 +48,12 @@ std::string summary_text(const PairMetrics& metrics,
               fmt::format("{} sent, {} received, {} lost, {} duplicated, {} reordered",
                           metrics.packets.sent, metrics.packets.received, metrics.packets.lost,
                           metrics.packets.duplicated, metrics.packets.reordered));
-  for (const std::string& trouble : words.troubles)
+  for (const std::string& trouble : words.troubles) {
     text += "  ! " + trouble + "\n";
-  for (const std::filesystem::path& file : files)
+  }
+  for (const std::filesystem::path& file : files) {
     text += row("written", file.string());
+  }
   return text;
 }
 

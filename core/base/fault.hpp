@@ -6,8 +6,9 @@
 
 namespace teleop {
 
-/// What went wrong inside the loop. 1–99 leave the engaged state for `faulted`: motor torques zero,
-/// amplifiers off. docs/faults.md has a row each. The numbers are part of the log format.
+/// What went wrong inside the loop. 1–49 stop the arm that has them (`faulted`: motor torques zero,
+/// amplifiers off), 50–99 are shown and recorded. docs/faults.md has a row each. The numbers are
+/// part of the log format.
 enum class Fault : std::uint8_t {
   none = 0,
   device_unplugged = 1,      ///< the device no longer answers

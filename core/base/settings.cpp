@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <iterator>
+#include <fstream>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -69,8 +69,9 @@ class Store {
     const toml::array* array = node_.as_array();
     if (array == nullptr || array->size() != 3) wrong_type(setting_, place_, "a list of 3 numbers");
     std::array<double, 3> values{};
-    for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t i = 0; i < 3; ++i) {
       values.at(i) = real((*array)[i]);
+    }
     *target = values;
   }
 
@@ -95,8 +96,9 @@ class Store {
 /// The closest known key, for a mistyped one.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j < row.size(); ++j)
+  for (std::size_t j = 0; j < row.size(); ++j) {
     row[j] = j;
+  }
   for (std::size_t i = 0; i < a.size(); ++i) {
     std::size_t diagonal = row[0]++;
     for (std::size_t j = 0; j < b.size(); ++j) {
@@ -160,17 +162,13 @@ void Settings::load(const fs::path& file) {
   if (!fs::is_regular_file(file, error)) {
     throw ConfigError{fmt::format("{}: no such file", file.string())};
   }
-  std::string text;
-  if (std::FILE* stream = std::fopen(file.c_str(), "rb")) {
-    std::array<char, 4096> block{};
-    for (std::size_t n = 0; (n = std::fread(block.data(), 1, block.size(), stream)) > 0;) {
-      text.append(block.data(), n);
-    }
-    std::fclose(stream);
-  } else {
+  std::ifstream in{file, std::ios::binary};
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (!in) {
     throw ConfigError{fmt::format("{}: cannot be read", file.string())};
   }
-  load_text(text, file.string());
+  load_text(text.str(), file.string());
 }
 
 void Settings::load_text(std::string_view text, const std::string& name) {

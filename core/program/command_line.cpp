@@ -40,8 +40,9 @@ std::optional<int> read_command_line(int argc,
   } catch (const CLI::ParseError& error) {
     throw ConfigError{fmt::format("{}; --help lists the options", error.what())};
   }
-  for (const std::string& file : files)
+  for (const std::string& file : files) {
     settings.load(file);
+  }
   for (std::size_t i = 0; i < given.size(); ++i) {
     if (options[i]->count() > 0) settings.set(settings.list()[i].key, given[i], "command line");
   }

@@ -44,8 +44,9 @@ class Side {
         opened_{plug.open()},
         station_{config.station, role, model_, {*arm_, *opened_.link, clock_}} {
     refused_.insert(refused_.end(), opened_.refused.begin(), opened_.refused.end());
-    for (const std::string& line : station_.notices())
+    for (const std::string& line : station_.notices()) {
       spdlog::warn("{}", line);
+    }
     if (!config.out.empty()) open_recording(settings);
   }
 
@@ -60,8 +61,9 @@ class Side {
       run_loop();
     }};
     started.wait(false, std::memory_order_acquire);
-    for (const std::string& line : refused_)
+    for (const std::string& line : refused_) {
       spdlog::warn("real time: {}", line);
+    }
     spdlog::info("{} on {}, {} Hz, {}", name_of(role_), arm_->info().name, config_.station.rate_Hz,
                  opened_.address);
     announce();
@@ -81,6 +83,10 @@ class Side {
     show();
     if (isatty(STDERR_FILENO) != 0 && !config_.status_json) std::fputc('\n', stderr);
     close_recording();
+    if (status_.link.refused > 0) {
+      spdlog::warn("link: {} packets refused: torn, foreign or of another protocol version",
+                   status_.link.refused);
+    }
     if (wrong) throw TransportError{*wrong};
     return status_.record.fault == 0 ? 0 : 1;
   }
@@ -95,8 +101,9 @@ class Side {
   void open_recording(const Settings& settings) {
     std::error_code error;
     std::filesystem::create_directories(config_.out, error);
-    if (error)
+    if (error) {
       throw RecordingError{fmt::format("{}: cannot be made: {}", config_.out, error.message())};
+    }
     const auto file = std::filesystem::path{config_.out} / fmt::format("{}.mcap", name_of(role_));
     const StationConfig& station = config_.station;
     Metadata metadata{
@@ -119,8 +126,9 @@ class Side {
   void close_recording() {
     if (!recorder_) return;
     std::string granted;
-    for (const std::string& line : refused_)
+    for (const std::string& line : refused_) {
       granted += (granted.empty() ? "" : "; ") + line;
+    }
     recorder_->close({
         {"realtime", granted.empty() ? "granted" : granted},
         {"turns", std::to_string(status_.turns)},

@@ -22,8 +22,9 @@ class Histogram {
 
   [[nodiscard]] std::uint64_t count() const noexcept {
     std::uint64_t sum = 0;
-    for (const auto& bucket : buckets_)
+    for (const auto& bucket : buckets_) {
       sum += bucket.load(std::memory_order_relaxed);
+    }
     return sum;
   }
 

@@ -31,8 +31,9 @@ void touch_stack() noexcept {
   constexpr std::size_t kBytes = std::size_t{256} * 1024;
   constexpr std::size_t kPage = 4096;
   std::array<volatile std::byte, kBytes> stack{};
-  for (std::size_t i = 0; i < kBytes; i += kPage)
+  for (std::size_t i = 0; i < kBytes; i += kPage) {
     stack[i] = std::byte{1};
+  }
 }
 
 }  // namespace

@@ -42,8 +42,9 @@ std::optional<PeerSample> SimulatedNetwork::End::receive() noexcept {
     first_ = (first_ + 1) % kOnTheWay;
     --count_;
     ++statistics_.received;
-    if (newest->sequence > last_received_ + 1)
+    if (newest->sequence > last_received_ + 1) {
       statistics_.lost += newest->sequence - last_received_ - 1;
+    }
     last_received_ = newest->sequence;
   }
   return newest;

@@ -320,8 +320,18 @@ void Plant::integrate(double length, EncoderEdges* edges) noexcept {
   }
 }
 
+/// Friction holds every joint and nothing that acts depends on time.
+bool Plant::rests() const noexcept {
+  constexpr SlidingModes kAllStuck{Sliding::stuck, Sliding::stuck, Sliding::stuck};
+  return !config_.hand && sliding_ == kAllStuck;
+}
+
 void Plant::advance(Duration span, EncoderEdges* edges) noexcept {
   refresh();
+  if (rests()) {
+    time_ += span;
+    return;
+  }
   while (span.count() > 0) {
     const Duration part = config_.hand ? std::min(span, kKnotPeriod - since_knot_) : span;
     s_ = seconds(since_knot_);

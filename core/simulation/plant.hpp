@@ -105,6 +105,7 @@ class Plant {
   [[nodiscard]] std::optional<double> dip(double h, const Trial& end) const noexcept;
   [[nodiscard]] double locate(double h, Trial& end) noexcept;
   [[nodiscard]] double longest_step() const noexcept;
+  [[nodiscard]] bool rests() const noexcept;
   void integrate(double length, EncoderEdges* edges) noexcept;
   void commit(double h, const Trial& end, EncoderEdges* edges) noexcept;
   void settle() noexcept;

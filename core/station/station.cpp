@@ -109,6 +109,7 @@ bool Station::clutched() const noexcept { return (own_.arm.switches & kClutchSwi
 
 Fault Station::check() const noexcept {
   if (own_.arm.fault != Fault::none) return own_.arm.fault;
+  if (limiter_fault_ != Fault::none) return limiter_fault_;
   if (!own_.arm.q.allFinite() || !own_.qd.allFinite()) return Fault::state_not_finite;
   if (own_.qd.cwiseAbs().maxCoeff() > config_.max_joint_speed_rad_per_s) {
     return Fault::joint_speed_exceeded;
@@ -148,6 +149,7 @@ JointVector Station::think(double dt) noexcept {
   const Limiter::Torque torque = limiter_.step(wanted, dt);
   limits_.merge(limited.limits);
   limits_.merge(torque.limits);
+  limiter_fault_ = limited.fault != Fault::none ? limited.fault : torque.fault;
   energy_J_ += coupling_.force.dot(own_.v) * dt;
   return torque.tau;
 }
@@ -250,25 +252,25 @@ void Station::remember(const Tick& tick, const JointVector& tau) noexcept {
   r.packets_lost = statistics_.lost;
   r.packets_duplicated = statistics_.duplicated;
   r.packets_reordered = statistics_.reordered;
-  if (peer_) remember_peer(tick);
+  if (peer_) remember_peer(*peer_, tick);
 }
 
-void Station::remember_peer(const Tick& tick) noexcept {
+void Station::remember_peer(const PeerSample& sample, const Tick& tick) noexcept {
   TickRecord& r = record_;
-  const PeerState& peer = peer_->state;
-  r.peer_session = peer_->session;
-  r.peer_sequence = peer_->sequence;
+  const PeerState& peer = sample.state;
+  r.peer_session = sample.session;
+  r.peer_sequence = sample.sequence;
   r.peer_tick = peer.tick;
-  r.peer_sent_ns = peer_->sent.time_since_epoch().count();
-  r.peer_received_ns = peer_->received.time_since_epoch().count();
+  r.peer_sent_ns = sample.sent.time_since_epoch().count();
+  r.peer_received_ns = sample.received.time_since_epoch().count();
   r.peer_mode = static_cast<std::uint32_t>(peer.mode);
   r.peer_epoch = peer.epoch;
   r.peer_p_m = peer.p_BT;
   r.peer_v_m_per_s = peer.v_BT;
   r.peer_coupling_N = peer.f_T;
-  r.peer_age_ms = milliseconds(peer_->age(tick.now));
-  r.peer_age_bound_ms = milliseconds(peer_->age_bound(tick.now));
-  r.round_trip_us = peer_is_new_ && peer_->has_round_trip ? microseconds(peer_->round_trip) : 0.0;
+  r.peer_age_ms = milliseconds(sample.age(tick.now));
+  r.peer_age_bound_ms = milliseconds(sample.age_bound(tick.now));
+  r.round_trip_us = peer_is_new_ && sample.has_round_trip ? microseconds(sample.round_trip) : 0.0;
 }
 
 }  // namespace teleop

@@ -95,7 +95,7 @@ class Station {
   [[nodiscard]] Vector3 hold() const noexcept;
   void tell(const Tick& tick) noexcept;
   void remember(const Tick& tick, const JointVector& tau) noexcept;
-  void remember_peer(const Tick& tick) noexcept;
+  void remember_peer(const PeerSample& sample, const Tick& tick) noexcept;
 
   StationConfig config_;
   Role role_;
@@ -122,6 +122,7 @@ class Station {
   bool recording_failed_ = false;
   double energy_J_ = 0.0;
   Limits limits_{};
+  Fault limiter_fault_ = Fault::none;  // of the last turn
   LinkStatistics statistics_{};
   TickRecord record_{};
 };

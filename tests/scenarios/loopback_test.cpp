@@ -141,7 +141,7 @@ TEST_F(LostPeer, IsHeldWithin20MillisecondsAndEngagedAgainWithoutAJump) {
   EXPECT_TRUE(log.complete);
   bool was_engaged = false;
   bool came_back = false;
-  double largest_step_N = 0.0;
+  double first_step_N = 0.0;
   for (std::size_t i = 1; i < log.ticks.size(); ++i) {
     const TickRecord& now = log.ticks[i];
     const TickRecord& before = log.ticks[i - 1];
@@ -155,12 +155,13 @@ TEST_F(LostPeer, IsHeldWithin20MillisecondsAndEngagedAgainWithoutAJump) {
       EXPECT_EQ(now.coupling_N, Vector3::Zero()) << "silent for " << silent_ms << " ms";
       EXPECT_NE(mode, Mode::engaged);
     }
-    if (mode == Mode::engaging && now.elapsed_ms < 2.0) {
-      largest_step_N = std::max(largest_step_N, (now.coupling_N - before.coupling_N).norm());
+    if (mode == Mode::engaging && now.ramp < 0.2) {
+      first_step_N = std::max(first_step_N, (now.coupling_N - before.coupling_N).norm());
     }
   }
   EXPECT_TRUE(came_back);
-  EXPECT_LT(largest_step_N, 0.25) << "a jump of force on engaging";
+  // With everything on, encoder counts alone make steps of up to 0.3 N: a fifth of that is noise.
+  EXPECT_LT(first_step_N, 0.1) << "a jump of force on engaging";
 }
 
 }  // namespace

@@ -29,7 +29,8 @@ class TemporaryFolder {
   [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
 
   /// Writes a file into the folder. @returns its path.
-  std::filesystem::path write(const std::string& name, const std::string& text) const {
+  [[nodiscard]] std::filesystem::path write(const std::string& name,
+                                            const std::string& text) const {
     std::ofstream{path_ / name} << text;
     return path_ / name;
   }
