@@ -92,8 +92,9 @@ inline JointVector Plant::smooth_torque(const JointVector& q,
 inline Vector3 Plant::tool_force(double s, const Look& at) const noexcept {
   Vector3 force = Vector3::Zero();
   if (config_.hand) force += config_.hand->pull(s, at.tool.p, at.tool.v);
-  if (touching_ && config_.contact)
+  if (touching_ && config_.contact) {
     force += config_.contact->smooth_force(at.depth) * at.depth.normal;
+  }
   return force;
 }
 
