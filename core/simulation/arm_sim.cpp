@@ -153,9 +153,8 @@ ArmState SimulatedArm::read() noexcept {
   inject_faults(state);
   last_ = state;
 
-  // The torque written since the last reading moves up by one reading.
-  std::shift_right(written_.begin(), written_.end(), 1);
-  written_[0] = written_[1];
+  // Every torque is one reading older; the newest stays until it is overwritten.
+  std::copy_backward(written_.begin(), written_.end() - 1, written_.end());
   drive_motors();
   return state;
 }
