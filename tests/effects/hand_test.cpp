@@ -3,6 +3,8 @@
 #include <cmath>
 #include <fstream>
 #include <numbers>
+#include <optional>
+#include <stdexcept>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -17,8 +19,8 @@ namespace teleop {
 namespace {
 
 const ArmModel& arm() {
-  static const ArmModel kArm = load_arm("phantom-1.5");
-  return kArm;
+  static const ArmModel shipped = load_arm("phantom-1.5");
+  return shipped;
 }
 
 std::string message_of(std::string_view csv) {
@@ -32,6 +34,13 @@ std::string message_of(std::string_view csv) {
 
 void expect_in(const std::string& part, const std::string& message) {
   EXPECT_NE(message.find(part), std::string::npos) << "'" << part << "' not in: " << message;
+}
+
+/// A hand that is there.
+Hand hand_of(const std::string& name, const Vector3& start, std::uint64_t seed) {
+  std::optional<Hand> hand = make_hand(name, arm(), start, seed, {});
+  if (!hand) throw std::runtime_error{"no hand: " + name};
+  return *hand;
 }
 
 /// Largest jumps of position and speed of a hand over so many intervals.
@@ -117,8 +126,9 @@ TEST(HandTrace, BendsAnOpenMotionClosedWithoutAJump) {
   const double last_step = (loop.front().p - loop.back().p).norm();
   EXPECT_LT(last_step, 0.3e-3);
   double fastest = 0.0;
-  for (const HandKnot& knot : loop)
+  for (const HandKnot& knot : loop) {
     fastest = std::max(fastest, knot.v.norm());
+  }
   EXPECT_LT(fastest, 0.2);
 }
 
@@ -136,26 +146,27 @@ TEST(Hand, MovesWithoutJumpsFromRestThroughTheSeamOfItsTrace) {
 TEST(Hand, EntersTheTraceAfterOneSecondAtItsOwnSpeed) {
   const auto loop = closed_loop_of(sine_trace(0.01, 1.0), arm());
   Hand hand{{}, RepeatedMotion{Vector3::Zero(), loop}};
-  for (int k = 0; k < 1000; ++k)
+  for (int k = 0; k < 1000; ++k) {
     hand.next_interval();
+  }
   EXPECT_NEAR((hand.target(0.0).p - loop[0].p).norm(), 0.0, 1e-15);
   EXPECT_NEAR((hand.target(0.0).v - loop[0].v).norm(), 0.0, 1e-15);
-  for (int k = 0; k < 1000; ++k)
+  for (int k = 0; k < 1000; ++k) {
     hand.next_interval();
+  }
   EXPECT_NEAR((hand.target(0.0).p - loop[0].p).norm(), 0.0, 1e-15) << "one turn later";
 }
 
 TEST(Hand, ReachesWithinItsBoxWithoutJumpsAndReachableByTheArm) {
-  std::optional<Hand> hand = make_hand("reach", arm(), Vector3::Zero(), 3, {});
-  ASSERT_TRUE(hand.has_value());
-  EXPECT_EQ(hand->target(0.0).v, Vector3::Zero());
-  EXPECT_LT(jumps_of(*hand, 20000).position, 1e-12);
+  Hand hand = hand_of("reach", Vector3::Zero(), 3);
+  EXPECT_EQ(hand.target(0.0).v, Vector3::Zero());
+  EXPECT_LT(jumps_of(hand, 20000).position, 1e-12);
   Vector3 farthest = Vector3::Zero();
   for (int k = 0; k < 60000; ++k) {
-    const Vector3 p = hand->target(0.0).p;
+    const Vector3 p = hand.target(0.0).p;
     farthest = farthest.cwiseMax(p.cwiseAbs());
     ASSERT_EQ(inverse_kinematics(arm(), p).reach, Reach::ok) << p.transpose();
-    hand->next_interval();
+    hand.next_interval();
   }
   EXPECT_GT(farthest.minCoeff(), 0.03);
   EXPECT_LT(farthest.x(), 0.061);
@@ -192,19 +203,20 @@ TEST(Hand, ReachesTheSameWithTheSameSeedOnly) {
 }
 
 TEST(Hand, PressesBehindTheSurfaceAndRestsThere) {
-  std::optional<Hand> hand = make_hand("press", arm(), Vector3::Zero(), 1, {});
-  for (int k = 0; k < 2500; ++k)
-    hand->next_interval();
-  EXPECT_NEAR(hand->target(0.0).p.x(), kSurfaceOffset + 0.01, 1e-15);
-  EXPECT_NEAR(hand->target(0.0005).v.norm(), 0.0, 1e-12);
+  Hand hand = hand_of("press", Vector3::Zero(), 1);
+  for (int k = 0; k < 2500; ++k) {
+    hand.next_interval();
+  }
+  EXPECT_NEAR(hand.target(0.0).p.x(), kSurfaceOffset + 0.01, 1e-15);
+  EXPECT_NEAR(hand.target(0.0005).v.norm(), 0.0, 1e-12);
 }
 
 TEST(Hand, HoldsOrIsAbsentByName) {
   EXPECT_FALSE(make_hand("none", arm(), Vector3::Zero(), 1, {}).has_value());
   const Vector3 start{0.01, 0.02, 0.03};
-  std::optional<Hand> hand = make_hand("hold", arm(), start, 1, {});
-  hand->next_interval();
-  EXPECT_EQ(hand->target(0.0007).p, start);
+  Hand hand = hand_of("hold", start, 1);
+  hand.next_interval();
+  EXPECT_EQ(hand.target(0.0007).p, start);
 }
 
 TEST(Hand, PullsByItsLawAndRefusesNegativeNumbers) {
@@ -221,20 +233,19 @@ TEST(Hand, FollowsARecordedHandOfAnotherMachine) {
   const std::filesystem::path file =
       TELEOP_SOURCE_DIR "/../shared/recordings/tue-bilateral/hand-reference.csv";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not here";
-  std::optional<Hand> hand = make_hand(file.string(), arm(), Vector3::Zero(), 1, {});
-  ASSERT_TRUE(hand.has_value());
-  const Jumps jumps = jumps_of(*hand, 12000);
+  Hand hand = hand_of(file.string(), Vector3::Zero(), 1);
+  const Jumps jumps = jumps_of(hand, 12000);
   EXPECT_LT(jumps.position, 1e-12);
   EXPECT_LT(jumps.speed, 1e-9);
 }
 
 TEST(Hand, GoesOnWithoutAllocating) {
   if (!testing::NoAllocation::is_armed()) GTEST_SKIP() << "a sanitizer owns malloc";
-  std::optional<Hand> reach = make_hand("reach", arm(), Vector3::Zero(), 1, {});
+  Hand reach = hand_of("reach", Vector3::Zero(), 1);
   Hand repeat{{}, RepeatedMotion{Vector3::Zero(), closed_loop_of(sine_trace(0.01, 0.1), arm())}};
   const testing::NoAllocation guard;
   for (int k = 0; k < 3000; ++k) {
-    reach->next_interval();
+    reach.next_interval();
     repeat.next_interval();
   }
   EXPECT_EQ(guard.count(), 0U);

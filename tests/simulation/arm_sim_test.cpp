@@ -59,8 +59,9 @@ TEST(SimulatedArm, ReadsExactAnglesWhenItIsNotQuantised) {
   plant.sensing.quantised = false;
   SimulatedArm arm{{.plant = plant}, clock};
   arm.amplifiers(true);
-  for (int tick = 0; tick < 30; ++tick)
+  for (int tick = 0; tick < 30; ++tick) {
     turn(arm, clock, {0.01, 0.0, 0.0});
+  }
   const ArmState state = arm.read();
   EXPECT_EQ(state.q, arm.true_state().q);
 }
@@ -69,8 +70,9 @@ TEST(SimulatedArm, SaysWhatItMeasuresAndNoMore) {
   SimulatedClock clock;
   SimulatedArm arm{{.plant = steady()}, clock};
   arm.amplifiers(true);
-  for (int tick = 0; tick < 3; ++tick)
+  for (int tick = 0; tick < 3; ++tick) {
     turn(arm, clock, {0.1, 0.0, 0.0});
+  }
   const ArmState state = arm.read();
   EXPECT_TRUE(state.has(ArmFlag::amplifiers_on));
   EXPECT_TRUE(state.has(ArmFlag::has_currents));
@@ -87,8 +89,9 @@ TEST(SimulatedArm, TimesItsEncoderEdges) {
   SimulatedClock clock;
   SimulatedArm arm{{.plant = steady()}, clock};
   arm.amplifiers(true);
-  for (int tick = 0; tick < 50; ++tick)
+  for (int tick = 0; tick < 50; ++tick) {
     turn(arm, clock, {0.05, 0.0, 0.0});
+  }
   const ArmState state = arm.read();
   const double speed = arm.true_state().qd[0];
   const double period = 2.0 * std::numbers::pi / 54476.8 / speed;
@@ -167,13 +170,15 @@ TEST(SimulatedArm, RoundsTorquesToTheConvertersStep) {
 TEST(SimulatedArm, GivesNoTorqueWhileItsAmplifiersAreOff) {
   SimulatedClock clock;
   SimulatedArm arm{{.plant = steady()}, clock};
-  for (int tick = 0; tick < 10; ++tick)
+  for (int tick = 0; tick < 10; ++tick) {
     turn(arm, clock, {0.1, 0.0, 0.0});
+  }
   EXPECT_EQ(arm.true_state().qd[0], 0.0);
   EXPECT_FALSE(arm.read().has(ArmFlag::amplifiers_on));
   arm.amplifiers(true);
-  for (int tick = 0; tick < 10; ++tick)
+  for (int tick = 0; tick < 10; ++tick) {
     turn(arm, clock, {0.1, 0.0, 0.0});
+  }
   arm.amplifiers(false);
   EXPECT_EQ(arm.read().motor_current, JointVector::Zero());
   arm.amplifiers(true);
@@ -235,11 +240,13 @@ TEST(SimulatedArm, FreezesOneEncoderAndMovesOn) {
       {.plant = steady(), .faults = {{SimulatedArm::FaultKind::frozen_encoder, 20ms, 0}}}, clock};
   arm.amplifiers(true);
   ArmState before;
-  for (int tick = 0; tick < 20; ++tick)
+  for (int tick = 0; tick < 20; ++tick) {
     before = turn(arm, clock, {0.05, 0.0, 0.0});
+  }
   ArmState after;
-  for (int tick = 0; tick < 20; ++tick)
+  for (int tick = 0; tick < 20; ++tick) {
     after = turn(arm, clock, {0.05, 0.0, 0.0});
+  }
   EXPECT_EQ(after.counts[0], before.counts[0]);
   EXPECT_EQ(after.q[0], before.q[0]);
   EXPECT_EQ(after.period_ticks[0], 0);
@@ -269,8 +276,9 @@ TEST(SimulatedArm, MeasuresTheForceOfHandAndSurface) {
   SimulatedClock clock;
   SimulatedArm arm{
       {.plant = load_plant("phantom-1.5"), .hand = "press", .contact = environment("wall")}, clock};
-  for (int tick = 0; tick < 4000; ++tick)
+  for (int tick = 0; tick < 4000; ++tick) {
     turn(arm, clock, JointVector::Zero());
+  }
   const auto truth = arm.true_state();
   EXPECT_GT(truth.hand_force.x(), 2.0);
   EXPECT_LT(truth.contact_force.x(), -2.0);
@@ -348,8 +356,9 @@ TEST(SimulatedArm, TurnsWithoutAllocating) {
                    clock};
   const testing::NoAllocation guard;
   arm.amplifiers(true);
-  for (int tick = 0; tick < 2000; ++tick)
+  for (int tick = 0; tick < 2000; ++tick) {
     turn(arm, clock, {0.01, 0.0, 0.0});
+  }
   [[maybe_unused]] const auto truth = arm.true_state();
   EXPECT_EQ(guard.count(), 0U);
 }

@@ -12,7 +12,7 @@ namespace teleop {
 namespace {
 
 /// One count a radian over 2π, so that angles are counts; joints 2 and 3 stand still.
-const JointVector kCountsPerRev = JointVector::Constant(2.0 * std::numbers::pi);
+const JointVector count_per_radian = JointVector::Constant(2.0 * std::numbers::pi);
 
 using Motion = std::function<double(double)>;
 
@@ -33,14 +33,14 @@ void show(EncoderEdges& edges, const Motion& q, const Motion& qd, double from, d
 }
 
 TEST(EncoderEdges, CountsToTheNearestStep) {
-  EncoderEdges edges{kCountsPerRev, {2.4, -2.6, 0.0}};
+  EncoderEdges edges{count_per_radian, {2.4, -2.6, 0.0}};
   EXPECT_EQ(edges.counts(), (std::array<std::int32_t, 3>{2, -3, 0}));
   EXPECT_NEAR((edges.angles() - JointVector{2.0, -3.0, 0.0}).norm(), 0.0, 1e-15);
 }
 
 TEST(EncoderEdges, TimesFastSlowAndBackwardMotionToATick) {
   for (const double speed : {0.2e3, 0.9e3, 3.3e3, -5e3, -0.4e3}) {  // counts a second
-    EncoderEdges edges{kCountsPerRev, JointVector::Zero()};
+    EncoderEdges edges{count_per_radian, JointVector::Zero()};
     show(edges, [&](double t) { return speed * t; }, [&](double) { return speed; }, 0.0, 0.1);
     EXPECT_NEAR(edges.period_ticks(0.1)[0], std::copysign(1e7 / std::abs(speed), speed), 1.0);
     EXPECT_EQ(edges.counts()[0], static_cast<std::int32_t>(std::lround(speed * 0.1)));
@@ -49,7 +49,7 @@ TEST(EncoderEdges, TimesFastSlowAndBackwardMotionToATick) {
 
 TEST(EncoderEdges, TimesEdgesOfAcceleratedMotion) {
   constexpr double kAcceleration = 4e5;
-  EncoderEdges edges{kCountsPerRev, JointVector::Zero()};
+  EncoderEdges edges{count_per_radian, JointVector::Zero()};
   show(
       edges, [](double t) { return kAcceleration * t * t / 2.0; },
       [](double t) { return kAcceleration * t; }, 0.0, 0.01);
@@ -60,25 +60,25 @@ TEST(EncoderEdges, TimesEdgesOfAcceleratedMotion) {
 }
 
 TEST(EncoderEdges, OverflowsBetweenEdgesAndSinceTheLast) {
-  EncoderEdges slow{kCountsPerRev, JointVector::Zero()};
+  EncoderEdges slow{count_per_radian, JointVector::Zero()};
   show(slow, [](double t) { return 150.0 * t; }, [](double) { return 150.0; }, 0.0, 0.1);
   EXPECT_EQ(slow.period_ticks(0.1)[0], 0) << "6.67 ms between edges";
 
-  EncoderEdges stopped{kCountsPerRev, JointVector::Zero()};
+  EncoderEdges stopped{count_per_radian, JointVector::Zero()};
   show(stopped, [](double t) { return 1e3 * t; }, [](double) { return 1e3; }, 0.0, 0.01);
   EXPECT_NE(stopped.period_ticks(0.016)[0], 0);
   EXPECT_EQ(stopped.period_ticks(0.0165)[0], 0) << "the last edge was at 9.5 ms";
 }
 
 TEST(EncoderEdges, StartsWithoutAPeriod) {
-  EncoderEdges edges{kCountsPerRev, {0.4, 0.0, 0.0}};
+  EncoderEdges edges{count_per_radian, {0.4, 0.0, 0.0}};
   EXPECT_EQ(edges.period_ticks(0.0)[0], 0);
   show(edges, [](double t) { return 0.4 + 1e3 * t; }, [](double) { return 1e3; }, 0.0, 0.001);
   EXPECT_EQ(edges.period_ticks(0.001)[0], 0) << "one edge makes no period";
 }
 
 TEST(EncoderEdges, SeesBothEdgesOfATurnInsideAPiece) {
-  EncoderEdges edges{kCountsPerRev, JointVector::Zero()};
+  EncoderEdges edges{count_per_radian, JointVector::Zero()};
   // Up to 0.75 at 0.5 ms and back: 0.5 is passed twice within one piece.
   constexpr double kBend = 0.75 / (0.5e-3 * 0.5e-3);
   show(
@@ -91,7 +91,7 @@ TEST(EncoderEdges, SeesBothEdgesOfATurnInsideAPiece) {
 
 TEST(EncoderEdges, ObservesWithoutAllocating) {
   if (!testing::NoAllocation::is_armed()) GTEST_SKIP() << "a sanitizer owns malloc";
-  EncoderEdges edges{kCountsPerRev, JointVector::Zero()};
+  EncoderEdges edges{count_per_radian, JointVector::Zero()};
   const MotionPiece piece{
       .duration_s = 1e-3, .qd0 = {1e4, 0, 0}, .q1 = {10, 0, 0}, .qd1 = {1e4, 0, 0}};
   const testing::NoAllocation guard;

@@ -198,8 +198,9 @@ TEST(Friction, ModesAgreeWithThemselves) {
 TEST(StickSlip, PassesThroughManyEventsWithoutLosingItself) {
   // Tiny dry friction, a stiff ball and torques that change sign at every tick.
   PlantTerms terms;
-  for (JointFriction& each : terms.friction)
+  for (JointFriction& each : terms.friction) {
     each = {1e-6, 2e-6, 0.0, 1e-4};
+  }
   const Contact ball{{.shape = Contact::Shape::sphere,
                       .point_m = {0.01, 0.0, 0.0},
                       .radius_m = 0.0099,

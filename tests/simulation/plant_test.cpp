@@ -51,8 +51,9 @@ double distance(const Plant::Config& config, Duration step, Duration finer, int 
 
 TEST(Plant, IsOfOrderFourWhereNothingHappens) {
   PlantTerms viscous;
-  for (JointFriction& each : viscous.friction)
+  for (JointFriction& each : viscous.friction) {
     each = {0.0, 0.0, 0.003, 0.003};
+  }
   const Plant::Config config{.terms = viscous, .stops = false, .qd = {3.0, -2.0, 4.0}};
   std::vector<JointVector> ends;
   for (const Duration step : {8ms, 4ms, 2ms, 1ms}) {
@@ -110,8 +111,9 @@ TEST(Plant, FindsTouchesThatAreShorterThanAStep) {
     Plant fine{phantom(), config};
     for (Plant* plant : {&coarse, &fine}) {
       plant->set_torque({kTorque, 0.0, 0.0});
-      for (int tick = 0; tick < 12; ++tick)
+      for (int tick = 0; tick < 12; ++tick) {
         plant->advance(1ms);
+      }
     }
     EXPECT_EQ(coarse.events(), 2U);
     EXPECT_NEAR(coarse.q()[0], fine.q()[0], 1e-4 * kCount) << graze;
@@ -138,8 +140,9 @@ TEST(Plant, FollowsTheModelsForwardDynamics) {
 TEST(Plant, KeepsTheEnergyOfABareArm) {
   Plant plant{phantom(), {.stops = false, .qd = {4.0, -3.0, 2.0}}};
   const double before = plant.energy();
-  for (int i = 0; i < 10'000; ++i)
+  for (int i = 0; i < 10'000; ++i) {
     plant.advance(1ms);
+  }
   EXPECT_NEAR(plant.energy(), before, 1e-7 * std::abs(before));
 }
 
@@ -245,8 +248,9 @@ TEST(Plant, CannotLeaveItsPostureLimits) {
 TEST(Plant, RestsOnAStopUnderFullTorqueWithinAThousandthOfARadian) {
   Plant plant{phantom(), {.terms = shipped_friction()}};
   plant.set_torque({1.7157, 0.0, 0.0});
-  for (int tick = 0; tick < 2000; ++tick)
+  for (int tick = 0; tick < 2000; ++tick) {
     plant.advance(1ms);
+  }
   const double past = plant.q()[0] - phantom().parameters().upper_limit_rad[0];
   EXPECT_GT(past, 0.0);
   EXPECT_LT(past, 1e-3);
@@ -266,14 +270,16 @@ TEST(Plant, GivesTheForceOfTheHandOnTheToolWithItsInertia) {
 
 TEST(Plant, SettlesWhereHandAndWallBalance) {
   PlantTerms viscous;
-  for (JointFriction& each : viscous.friction)
+  for (JointFriction& each : viscous.friction) {
     each = {0.0, 0.0, 0.05, 0.05};
+  }
   Plant plant{phantom(),
               {.terms = viscous,
                .hand = make_hand("press", phantom(), Vector3::Zero(), 1, {}),
                .contact = environment("wall")}};
-  for (int tick = 0; tick < 10'000; ++tick)
+  for (int tick = 0; tick < 10'000; ++tick) {
     plant.advance(1ms);
+  }
   const Plant::ToolForces forces = plant.tool_forces();
   const JointVector torque =
       linear_jacobian(phantom(), plant.q()).transpose() * (forces.hand + forces.contact);

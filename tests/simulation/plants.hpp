@@ -12,8 +12,8 @@ namespace teleop::testing {
 inline constexpr double kCount = 2.0 * std::numbers::pi / 54476.8;
 
 inline const ArmModel& phantom() {
-  static const ArmModel kArm = load_arm("phantom-1.5");
-  return kArm;
+  static const ArmModel shipped = load_arm("phantom-1.5");
+  return shipped;
 }
 
 /// Friction so dry on joints 2 and 3 that they stay where they are, and as given on joint 1.

@@ -30,8 +30,9 @@ void for_many_states(Check check) {
     return {random.uniform(-bound, bound), random.uniform(-bound, bound),
             random.uniform(-bound, bound)};
   };
-  for (int i = 0; i < number; ++i)
+  for (int i = 0; i < number; ++i) {
     check(Case{vector(1.5), vector(5.0), vector(50.0)});
+  }
 }
 
 TEST(RigidBody, IsTheModelOfTheArm) {
