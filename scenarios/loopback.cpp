@@ -73,6 +73,13 @@ fs::path output_folder(const LoopbackOptions& options) {
   return out;
 }
 
+/// So that a run of hours does not end in a figure that cannot be written.
+void check_json(const fs::path& file) {
+  const fs::path folder = file.parent_path().empty() ? fs::path{"."} : file.parent_path();
+  if (file.empty() || access(folder.c_str(), W_OK) == 0) return;
+  throw ConfigError{fmt::format("{}: cannot be written; choose another --json", file.string())};
+}
+
 std::unique_ptr<Child> start(const std::string& side,
                              std::vector<std::string> own,
                              const std::vector<std::string>& common) {
@@ -125,6 +132,7 @@ void watch(Child& master, Child& slave, const LoopbackOptions& options, StopSign
 
 int run_loopback(const LoopbackOptions& options) {
   const fs::path out = output_folder(options);
+  check_json(options.json);
   const auto common = common_arguments(options, out);
   StopSignal stop;
 

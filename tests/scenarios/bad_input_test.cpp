@@ -79,6 +79,9 @@ TEST(BadInput, InAFileNamesFileAndLine) {
       {"teleop export " + torn + " --csv " + (folder.path() / "x.csv").string(), {"torn.mcap"}},
       {"teleop report " + torn, {"torn.mcap"}},
       {"teleop loopback --seconds 1 --out /proc/nowhere", {"/proc/nowhere"}},
+      {"teleop loopback --seconds 1 --json /proc/nowhere/s.json --out " +
+           (folder.path() / "o").string(),
+       {"/proc/nowhere/s.json"}},
   };
   for (const Bad& bad : commands)
     expect_one_clear_line(bad);
