@@ -101,7 +101,7 @@ TEST(BadInput, NeverWritesOverAnything) {
   EXPECT_EQ(text, "precious");
 }
 
-TEST(BadInput, ATakenPortIsNamed) {
+TEST(BadInput, AnAddressOfAnotherMachineIsNamed) {
   const TemporaryFolder folder;
   expect_one_clear_line({"teleop-slave --link.bind 192.0.2.1:47001", {"192.0.2.1"}});
 }
