@@ -83,6 +83,7 @@ class BarePair {
  private:
   static int open() {
     const int file = socket(AF_INET, SOCK_DGRAM, 0);
+    if (file < 0) throw TransportError{"no UDP socket can be opened; is IPv4 switched off?"};
     const timeval timeout{.tv_sec = 0, .tv_usec = UdpLink::kWait.count()};
     setsockopt(file, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout);
     sockaddr_in own{};

@@ -87,8 +87,9 @@ nlohmann::json numbers(const ArmModel& arm, const WorkspaceMap& map) {
 
 std::string quoted(const std::string& text) {
   std::string result = "'";
-  for (const char c : text)
+  for (const char c : text) {
     result += c == '\'' ? "'\\''" : std::string{c};
+  }
   return result + "'";
 }
 

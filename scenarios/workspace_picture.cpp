@@ -157,8 +157,10 @@ std::vector<Vector3> obstacles_to(int level,
                                   const Side& side) {
   std::vector<Vector3> obstacles = outline;
   for (std::size_t i = 0; i + 1 < side.links.size(); ++i) {
-    for (double s = 0.0; s <= 1.0; s += 0.02) {
-      obstacles.emplace_back(side.links[i] + s * (side.links[i + 1] - side.links[i]));
+    constexpr int kPieces = 50;
+    for (int k = 0; k <= kPieces; ++k) {
+      obstacles.emplace_back(side.links[i] + static_cast<double>(k) / kPieces *
+                                                 (side.links[i + 1] - side.links[i]));
     }
   }
   for (std::size_t i = 0; i < lines.size(); ++i) {

@@ -187,13 +187,14 @@ std::vector<HandKnot> closed_loop_of(const HandTrace& trace, const ArmModel& arm
   close(closed, trace.column == HandTrace::Column::position ? 1.0 : arm.parameters().l1_m);
   const std::vector<Vector3> tangents = tangents_of(closed);
   const double length = closed.t_s.back() - closed.t_s.front();
-  const double knots = std::max(1.0, std::round(length / seconds(kKnotPeriod)));
-  const double stretch = knots * seconds(kKnotPeriod) / length;
+  const auto knots = std::max(1L, std::lround(length / seconds(kKnotPeriod)));
+  const double stretch = static_cast<double>(knots) * seconds(kKnotPeriod) / length;
 
   std::vector<HandKnot> loop;
   std::size_t i = 0;
-  for (double k = 0.0; k < knots; k += 1.0) {
-    const double t = closed.t_s.front() + length * k / knots;
+  for (long k = 0; k < knots; ++k) {
+    const double t =
+        closed.t_s.front() + length * static_cast<double>(k) / static_cast<double>(knots);
     while (i + 2 < closed.t_s.size() && closed.t_s[i + 1] <= t) {
       ++i;
     }

@@ -114,9 +114,9 @@ std::vector<Vector3> workspace_outline(const ArmModel& arm, double step_rad) {
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Posture2& a = corners[i];
     const Posture2& b = corners[(i + 1) % corners.size()];
-    const double steps = std::ceil((b - a).norm() / step_rad);
-    for (double k = 0.0; k < steps; ++k) {
-      const Posture2 q = a + (b - a) * (k / steps);
+    const auto steps = std::lround(std::ceil((b - a).norm() / step_rad));
+    for (long k = 0; k < steps; ++k) {
+      const Posture2 q = a + (b - a) * (static_cast<double>(k) / static_cast<double>(steps));
       outline.push_back(tool_position(arm, {0.0, q[0], q[1]}));
     }
   }

@@ -213,12 +213,13 @@ std::string metadata_table(const Run& run) {
     const std::string* m = find(run.master, key);
     const std::string* s = find(run.slave, key);
     out += fmt::format("<tr><th>{}</th>", escape_html(key));
+    const auto cell = [](const std::string* value) {
+      return value == nullptr ? std::string{kNothing} : value_cell(*value);
+    };
     if (!pair || (m != nullptr && s != nullptr && *m == *s)) {
-      out += fmt::format("<td colspan=\"2\">{}</td>", value_cell(m != nullptr ? *m : *s));
+      out += fmt::format("<td colspan=\"2\">{}</td>", cell(m != nullptr ? m : s));
     } else {
-      for (const std::string* value : {m, s}) {
-        out += fmt::format("<td>{}</td>", value == nullptr ? kNothing : value_cell(*value));
-      }
+      out += fmt::format("<td>{}</td><td>{}</td>", cell(m), cell(s));
     }
     out += "</tr>\n";
   }
