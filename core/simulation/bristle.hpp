@@ -12,7 +12,7 @@ namespace teleop {
 ///
 ///     z = s g + (z_0 − s g) exp(−s stiffness (m − m_0) / g),
 ///
-/// exactly for Dahl's law, where g is constant; with g at the speed of the moment otherwise.
+/// exactly for Dahl's law, where g is constant; with g at the mean of the speeds at its ends otherwise.
 /// Loop: allocation-free, noexcept.
 
 /// g(v), N m.

@@ -41,7 +41,8 @@ std::optional<double> dip_of(double h, const Course& f) noexcept {
 
 void Plant::set_torque(const JointVector& tau) noexcept {
   expects(tau.allFinite(), "motor torques are finite");
-  if (tau == tau_ && !torque_is_new_) return;
+  if (tau == tau_ && commanded_) return;
+  commanded_ = true;
   tau_ = tau;
   chain_.command(tau);
   torque_is_new_ = true;
@@ -246,7 +247,8 @@ void Plant::commit(double h, const Trial& end, Sensing* sensing) noexcept {
     const JointFriction::Bristle& bristle = config_.terms.friction[i].bristle;
     if (bristle.level <= 0.0 || sliding_[i] == Sliding::stuck) continue;
     const auto axis = static_cast<Eigen::Index>(i);
-    bristle_[axis] = bend(bristle, bristle_[axis], end.at.m[axis] - m_[axis], end.at.md[axis],
+    const double midway = (md_[axis] + end.at.md[axis]) / 2.0;
+    bristle_[axis] = bend(bristle, bristle_[axis], end.at.m[axis] - m_[axis], midway,
                           static_cast<double>(sliding_[i]));
   }
   q_ = end.at.q;

@@ -208,6 +208,7 @@ class Plant {
   bool touching_ = false;
   JointStops::Set stopped_ = 0;
   Look now_{};
+  bool commanded_ = false;
   bool torque_is_new_ = true;
   std::uint64_t events_ = 0;
 };

@@ -141,7 +141,8 @@ inline double Plant::smooth_friction(std::size_t i, double turn, double v) const
     f -= direction * friction.stribeck_rise * std::exp(-x * x);
   }
   if (friction.bristle.level > 0.0) {
-    const double bent = bend(friction.bristle, z, turn, v, direction);
+    const double midway = (md_[static_cast<Eigen::Index>(i)] + v) / 2.0;
+    const double bent = bend(friction.bristle, z, turn, midway, direction);
     f += bristle_torque(friction.bristle, bent, v, direction);
   }
   return f;
