@@ -104,18 +104,18 @@ std::string table(const VelocityStudy& study, const VelocityOptions& options) {
   const auto add = [&](const std::string& line) {
     text += line + '\n';
   };
-  add(fmt::format("{:<20} {:>7} {:>7}   {:^31}   {:^20}", "", "lag", "noise",
-                  "worst error while at", "largest damping"));
-  add(fmt::format("{:<20} {:>7} {:>7}   {:>7}{:>8}{:>8}{:>8}   {:>6}{:>7}{:>7}", "", "ms", "mm/s",
-                  "<5", "<20", "<100", ">100 mm/s", "x", "y", "z N s/m"));
+  add(fmt::format("{:<20} {:>7} {:>7}   {:^31}   {:^22}", "", "lag", "noise",
+                  "worst error, mm/s, at mm/s", "largest damping, N s/m"));
+  add(fmt::format("{:<20} {:>7} {:>7}   {:>7}{:>8}{:>8}{:>8}   {:>6} {:>6} {:>6}", "", "ms", "mm/s",
+                  "<5", "<20", "<100", ">100", "x", "y", "z"));
   for (const VelocityRow& row : study.rows) {
     const auto& c = row.score.classes;
     add(fmt::format(
-        "{:<20} {:>7.2f} {:>7.2f}   {:>7.1f}{:>8.1f}{:>8.1f}{:>8.1f}   {:>7}{:>7}{:>7}{}", row.name,
-        kMilli * row.score.lag_s, kMilli * row.score.noise_m_per_s, kMilli * c[0].worst_m_per_s,
-        kMilli * c[1].worst_m_per_s, kMilli * c[2].worst_m_per_s, kMilli * c[3].worst_m_per_s,
-        limit_text(row.limits[0]), limit_text(row.limits[1]), limit_text(row.limits[2]),
-        row.linear ? "" : " ~"));
+        "{:<20} {:>7.2f} {:>7.2f}   {:>7.1f}{:>8.1f}{:>8.1f}{:>8.1f}   {:>6} {:>6} {:>6}{}",
+        row.name, kMilli * row.score.lag_s, kMilli * row.score.noise_m_per_s,
+        kMilli * c[0].worst_m_per_s, kMilli * c[1].worst_m_per_s, kMilli * c[2].worst_m_per_s,
+        kMilli * c[3].worst_m_per_s, limit_text(row.limits[0]), limit_text(row.limits[1]),
+        limit_text(row.limits[2]), row.linear ? "" : " ~"));
   }
   if (study.source.has_truth) {
     add("Reference: the simulated arm's own speed.");
@@ -139,6 +139,10 @@ std::string table(const VelocityStudy& study, const VelocityOptions& options) {
 }  // namespace
 
 int run_velocity(const VelocityOptions& options) {
+  if (options.print_config) {
+    fmt::print("{}", velocity_settings(options));
+    return 0;
+  }
   const VelocityStudy study = study_velocity(options);
   const fs::path where = make_folder(options.out);
   if (!options.json.empty()) write_json(options.json, study_json(study, options));

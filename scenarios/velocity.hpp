@@ -16,6 +16,7 @@ struct VelocityOptions {
   std::string arm;                    ///< of recordings; empty: what they name
   double reference_Hz = 25.0;         ///< bandwidth of the reference of recordings
   std::vector<std::string> settings;  ///< KEY=VALUE, keys as the stations' velocity.…
+  bool print_config = false;          ///< only print the estimators' settings
   double mass_g = 0.0;                ///< of the tool in the damping loop; 0: the arm's at home
   double damping_Ns_per_m = 1.115;    ///< physical, at the tool
   double amplitude_mm = 0.0;  ///< of the marginal oscillation; 0: 10 counts, at least 0.3 mm

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <numeric>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -21,7 +23,7 @@ constexpr double kLeastLag_ms = 0.1;  // of the logarithmic axis
 
 // Okabe and Ito: told apart by every eye.
 constexpr std::array<std::string_view, 7> kColours{"#b8b8b8", "#0072b2", "#d55e00", "#009e73",
-                                                   "#cc79a7", "#e69f00", "#56b4e9"};
+                                                   "#cc79a7", "#56b4e9", "#e69f00"};
 
 std::string_view colour(std::size_t row) { return kColours.at(row % kColours.size()); }
 
@@ -77,11 +79,28 @@ void add_stretch_data(std::string& text,
   text += "END\n";
 }
 
-void add_stretch_plot(std::string& text, std::string_view name, const VelocityStudy& study) {
+/// Rows in two groups, the noisier ones first: in one picture they would hide the others.
+std::array<std::vector<std::size_t>, 2> by_noise(const VelocityStudy& study) {
+  std::vector<std::size_t> order(study.rows.size());
+  std::iota(order.begin(), order.end(), 0U);
+  const auto noise = [&](std::size_t i) {
+    return study.rows[i].score.noise_m_per_s;
+  };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return noise(a) > noise(b); });
+  const auto middle = order.begin() + static_cast<std::ptrdiff_t>(order.size() / 2);
+  return {std::vector<std::size_t>{order.begin(), middle},
+          std::vector<std::size_t>{middle, order.end()}};
+}
+
+void add_stretch_plot(std::string& text,
+                      std::string_view name,
+                      const VelocityStudy& study,
+                      const std::vector<std::size_t>& rows) {
   text += "plot ";
-  for (std::size_t i = 0; i < study.rows.size(); ++i) {
-    add(text, "${} using 1:{} with steps lw {} lc rgb '{}' title \"{}\", \\\n", name, i + 3,
-        i == 0 ? 1.5 : 3, colour(i), gnuplot_text(study.rows[i].name));
+  for (const std::size_t i : rows) {
+    add(text, "${} using 1:{} with steps lw 1.8 lc rgb '{}' title \"{}\", \\\n", name, i + 3,
+        colour(i), gnuplot_text(study.rows[i].name));
   }
   add(text, "  ${} using 1:2 with lines lw 3 dt (8,4) lc rgb 'black' title '{}'\n", name,
       study.source.has_truth ? "truth" : "zero-phase reference");
@@ -106,30 +125,32 @@ std::string stretches(const VelocityStudy& study) {
   const Stretch slow = find_stretch(trace, [](double square) {
     return -std::abs(std::log((square + 1e-12) / (kSlow_m_per_s * kSlow_m_per_s)));
   });
-  const auto [fast_low, fast_high] = range_of(trace, fast, 60.0);
-  const auto [slow_low, slow_high] = range_of(trace, slow, 22.0);
   constexpr std::string_view kAxes = "xyz";
   std::string text;
   add_stretch_data(text, "fast", study, fast);
   add_stretch_data(text, "slow", study, slow);
-  text += R"(set terminal pngcairo rounded size 1800,1500 font "DejaVu Sans,20"
+  text += R"(set terminal pngcairo rounded size 2000,1500 font "DejaVu Sans,19"
 set output "velocity-stretch.png"
 set grid lc rgb '#e0e0e0' lt 1
 set border 3
 set tics nomirror
-set key outside right center Left reverse samplen 2 spacing 1.3
-set multiplot layout 2,1
+set xlabel 'time, s' offset 0,0.4
+set xtics 0.1
+set key below center samplen 2
+set multiplot layout 2,2
 )";
-  add(text, "set title \"Fast\"\nset ylabel \"tool velocity along {}, mm/s\"\n",
-      kAxes[static_cast<std::size_t>(fast.axis)]);
-  add(text, "set yrange [{:.1f}:{:.1f}]\nset xrange [{}:{}]\n", fast_low, fast_high,
-      trace.time_s[fast.first], trace.time_s[fast.end - 1]);
-  add_stretch_plot(text, "fast", study);
-  add(text, "set title \"Slow\"\nset ylabel \"tool velocity along {}, mm/s\"\n",
-      kAxes[static_cast<std::size_t>(slow.axis)]);
-  add(text, "set yrange [{:.1f}:{:.1f}]\nset xrange [{}:{}]\nset xlabel 'time, s'\n", slow_low,
-      slow_high, trace.time_s[slow.first], trace.time_s[slow.end - 1]);
-  add_stretch_plot(text, "slow", study);
+  const auto groups = by_noise(study);
+  const auto add_row = [&](std::string_view name, const Stretch& stretch, double room) {
+    const auto [low, high] = range_of(trace, stretch, room);
+    add(text, "set ylabel \"tool velocity along {}, mm/s\"\nset yrange [{:.1f}:{:.1f}]\n",
+        kAxes[static_cast<std::size_t>(stretch.axis)], low, high);
+    add(text, "set xrange [{}:{}]\n", trace.time_s[stretch.first], trace.time_s[stretch.end - 1]);
+    for (const auto& group : groups) {
+      add_stretch_plot(text, name, study, group);
+    }
+  };
+  add_row("fast", fast, 40.0);
+  add_row("slow", slow, 22.0);
   text += "unset multiplot\n";
   return text;
 }
@@ -180,6 +201,21 @@ std::string least_damping(const VelocityRow& row) {
   return least < 1e300 ? fmt::format("{:.3g} N s/m", least) : "no limit";
 }
 
+/// Where a point is drawn, in decades.
+Eigen::Vector2d place(const VelocityRow& row) {
+  return {std::log10(std::max(kMilli * row.score.lag_s, kLeastLag_ms)),
+          std::log10(std::max(kMilli * row.score.noise_m_per_s, 1e-3))};
+}
+
+/// A point whose right-hand neighbour is near has its label on the left.
+bool is_crowded(const VelocityStudy& study, std::size_t i) {
+  const Eigen::Vector2d own = place(study.rows[i]);
+  return std::any_of(study.rows.begin(), study.rows.end(), [&](const VelocityRow& other) {
+    const Eigen::Vector2d off = place(other) - own;
+    return off.x() > 0.0 && off.x() < 0.5 && std::abs(off.y()) < 0.2;
+  });
+}
+
 std::string scatter(const VelocityStudy& study) {
   std::string text = R"(set terminal pngcairo rounded size 1500,1000 font "DejaVu Sans,20"
 set output "velocity-lag-noise.png"
@@ -203,11 +239,11 @@ unset key
     high = std::max(high, noise);
     add(text, "$p{} << END\n{:.4f} {:.5f}\nEND\n", i, std::max(lag, kLeastLag_ms), noise);
     add(text,
-        "set label \"{}\\n{}{}\" at {:.4f},{:.5f} left offset 1.2,0.4 front font ',17' tc rgb "
+        "set label \"{}\\n{}{}\" at {:.4f},{:.5f} {} front font ',17' tc rgb "
         "'#303030'\n",
         gnuplot_text(row.name), least_damping(row),
         lag < kLeastLag_ms ? fmt::format(", lag {:.2f} ms", lag) : "", std::max(lag, kLeastLag_ms),
-        noise);
+        noise, is_crowded(study, i) ? "right offset -1.2,0.4" : "left offset 1.2,0.4");
   }
   add(text, "set yrange [{}:{}]\nplot ", low / 1.6, high * 1.8);
   for (std::size_t i = 0; i < study.rows.size(); ++i) {

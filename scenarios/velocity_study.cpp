@@ -19,8 +19,9 @@ namespace {
 constexpr double kLeastAmplitude_m = 0.3e-3;
 constexpr double kAmplitude_counts = 10.0;
 
-VelocityEstimator::Config configured(const std::vector<std::string>& assignments) {
-  VelocityEstimator::Config config;
+/// @returns the settings as text, after `assignments` have been made in `config`.
+std::string configure(VelocityEstimator::Config& config,
+                      const std::vector<std::string>& assignments) {
   Settings settings;
   add_settings(settings, "velocity.", config);
   for (const std::string& assignment : assignments) {
@@ -30,7 +31,7 @@ VelocityEstimator::Config configured(const std::vector<std::string>& assignments
     }
     settings.set(assignment.substr(0, equals), assignment.substr(equals + 1), "--set");
   }
-  return config;
+  return settings.print();
 }
 
 std::string name_of(const VelocityEstimator::Config& config) {
@@ -121,8 +122,14 @@ void limit_damping(const DampingLoop& loop, VelocityRow& row) {
 
 }  // namespace
 
+std::string velocity_settings(const VelocityOptions& options) {
+  VelocityEstimator::Config config;
+  return configure(config, options.settings);
+}
+
 VelocityStudy study_velocity(const VelocityOptions& options) {
-  const VelocityEstimator::Config base = configured(options.settings);
+  VelocityEstimator::Config base;
+  configure(base, options.settings);
   std::vector<VelocityRow> rows = contenders(base);
   for (const VelocityRow& row : rows) {
     VelocityEstimator{row.config, JointVector::Ones()};  // refuses before anything is read

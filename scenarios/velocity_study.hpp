@@ -38,6 +38,10 @@ struct VelocityStudy {
   std::vector<VelocityRow> rows{};
 };
 
+/// The estimators' settings after --set, as TOML that the stations take.
+/// @throws ConfigError as study_velocity().
+[[nodiscard]] std::string velocity_settings(const VelocityOptions& options);
+
 /// Runs every estimator on the readings and looks for its largest damping.
 /// @throws ConfigError when a setting is unknown or not usable.
 [[nodiscard]] VelocityStudy study_velocity(const VelocityOptions& options);

@@ -31,6 +31,8 @@ void add_velocity(CLI::App& app, Action& action) {
       ->capture_default_str();
   verb->add_option("--set", options->settings,
                    "KEY=VALUE of an estimator, as for the stations: velocity.period.samples=8");
+  verb->add_flag("--print-config", options->print_config,
+                 "print the estimators' settings and do nothing else");
   verb->add_option("--mass-g", options->mass_g,
                    "tool mass in the damping loop; 0: the arm's own at home, an axis at a time")
       ->check(CLI::Range(0.0, 1e5))

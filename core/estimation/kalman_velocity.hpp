@@ -27,7 +27,7 @@ namespace teleop {
 class KalmanVelocity {
  public:
   struct Config {
-    double jerk_rad_per_s3_per_rtHz = 60.0;  ///< √S, of the motion expected
+    double jerk_rad_per_s3_per_rtHz = 30.0;  ///< √S, of the motion expected
   };
 
   /// @throws ConfigError when the jerk is not positive or a joint has no counts.

@@ -28,7 +28,7 @@ namespace teleop {
 class RobustVelocity {
  public:
   struct Config {
-    double acceleration_rad_per_s2 = 50.0;  ///< L
+    double acceleration_rad_per_s2 = 20.0;  ///< L
   };
 
   struct State {

@@ -11,6 +11,7 @@
 
 #include "core/estimation/velocity_response.hpp"
 #include "core/math/random.hpp"
+#include "tests/estimation/encoder.hpp"
 
 namespace teleop {
 namespace {
@@ -102,6 +103,75 @@ TEST(DampingLimit, AgreesWithTheReferenceValues) {
     ++compared;
   }
   EXPECT_GT(compared, 10);
+}
+
+struct Oscillation {
+  double lever_m = 0.0;
+  double amplitude_m = 0.0;
+};
+
+/// What is left of an oscillation after eight cycles in the loop itself: mass, encoder with period
+/// counter, estimator, held force of damping B.
+double amplitude_after(const SampledMass& mass,
+                       const EvenVelocity& estimator,
+                       const Oscillation& start,
+                       const DampingLimit& at,
+                       double B) {
+  const auto [lever_m, amplitude_m] = start;
+  testing::WatchedEncoder encoder;
+  VelocityEstimator velocity{estimator.config, JointVector::Constant(estimator.counts_per_rev)};
+  const double w = 2.0 * std::numbers::pi * at.frequency_Hz;
+  double x = 0.0;
+  double v = 0.0;
+  double force = 0.0;
+  double largest = 0.0;
+  const auto turns = static_cast<int>(16.0 / at.frequency_Hz / kPeriod);
+  const int driven = turns / 2;
+  for (int k = 1; k <= turns; ++k) {
+    const double t0 = (k - 1) * kPeriod;
+    // Driven along the sine at first, until the estimator has settled.
+    const double settled = force / mass.damping_Ns_per_m;
+    const double rate = mass.damping_Ns_per_m / mass.mass_kg;
+    const auto motion = [&](double t) {
+      if (k <= driven) return amplitude_m * std::sin(w * t) / lever_m;
+      const double decay = -std::expm1(-rate * (t - t0));
+      return (x + settled * (t - t0) + (v - settled) / rate * decay) / lever_m;
+    };
+    const VelocitySample sample = encoder.read(motion, k * kPeriod);
+    const double t1 = k * kPeriod;
+    const double next_v = k <= driven ? amplitude_m * w * std::cos(w * t1)
+                                      : settled + (v - settled) * std::exp(-rate * kPeriod);
+    x = motion(t1) * lever_m;
+    v = next_v;
+    force = -B * lever_m * velocity.step(sample)[0];
+    if (k > turns - static_cast<int>(2.0 / at.frequency_Hz / kPeriod)) {
+      largest = std::max(largest, std::abs(v) / w);
+    }
+  }
+  return largest / amplitude_m;
+}
+
+TEST(DampingLimit,
+     OfADescribingFunctionIsWhereAnOscillationOfThatAmplitudeTurnsFromDyingToGrowing) {
+  constexpr double kLever_m = 0.17;
+  constexpr double kAmplitude_m = 0.5e-3;
+  const SampledMass mass{.mass_kg = 0.032, .damping_Ns_per_m = 1.115};
+  for (const char* kind : {"period", "robust_exact", "adaptive_window"}) {
+    const EvenVelocity estimator{.config = {.kind = kind},
+                                 .counts_per_rev = testing::WatchedEncoder::kCounts};
+    const auto H = [&](double w) {
+      return describing_function(estimator, kAmplitude_m / kLever_m, w);
+    };
+    const auto found =
+        damping_limit(mass, H, {.lowest_Hz = 1.0, .highest_Hz = 450.0, .points = 60});
+    ASSERT_TRUE(found.has_value()) << kind;
+    const auto after = [&](double share) {
+      return amplitude_after(mass, estimator, {.lever_m = kLever_m, .amplitude_m = kAmplitude_m},
+                             *found, share * found->damping_Ns_per_m);
+    };
+    EXPECT_LT(after(0.85), 0.6) << kind;
+    EXPECT_GT(after(1.15), 1.5) << kind;
+  }
 }
 
 TEST(DampingLimit, IsAbsentWhereNothingDestabilises) {

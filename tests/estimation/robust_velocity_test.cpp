@@ -71,7 +71,7 @@ TEST(RobustVelocity, DoesNotChatterAtRestAtAnyAcceleration) {
 }
 
 TEST(RobustVelocity, NeverChangesFasterThanItsAcceleration) {
-  RobustVelocity estimator{{}};
+  RobustVelocity estimator{{.acceleration_rad_per_s2 = 50.0}};
   Random random{43};
   JointVector last = JointVector::Zero();
   for (int k = 0; k < 5000; ++k) {
