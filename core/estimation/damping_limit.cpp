@@ -7,7 +7,7 @@ namespace teleop {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr int kBisections = 40;
+constexpr int kBisections = 26;
 
 }  // namespace
 

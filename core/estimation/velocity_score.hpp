@@ -14,7 +14,7 @@ namespace teleop {
 
 /// A stretch of one arm's readings with the speed that it had.
 struct VelocityTrace {
-  std::string source;
+  std::string source{};
   JointVector counts_per_rev = JointVector::Zero();
   std::vector<VelocitySample> samples{};
   std::vector<double> time_s{};  ///< of each sample
