@@ -15,7 +15,9 @@ constexpr Eigen::Index kMostRows = 100;
 
 /// H Hᵀ of the Hankel matrix H(i, k) = y[i + k]; each diagonal follows from its first entry.
 Eigen::MatrixXd hankel_gram(std::span<const double> y, Eigen::Index rows) {
-  const auto at = [&](Eigen::Index i) { return y[static_cast<std::size_t>(i)]; };
+  const auto at = [&](Eigen::Index i) {
+    return y[static_cast<std::size_t>(i)];
+  };
   const Eigen::Index columns = static_cast<Eigen::Index>(y.size()) - rows + 1;
   Eigen::MatrixXd R(rows, rows);
   for (Eigen::Index lag = 0; lag < rows; ++lag) {
@@ -58,8 +60,8 @@ std::vector<Mode> find_modes(std::span<const double> y, double dt_s, double nois
   for (const std::complex<double>& z : shift.eigenvalues()) {
     const bool mirrored = z.imag() < 0.0;
     if (mirrored || std::abs(z) < 1e-3) continue;
-    modes.push_back({.growth_per_s = std::log(std::abs(z)) / dt_s,
-                     .omega_rad_per_s = std::arg(z) / dt_s});
+    modes.push_back(
+        {.growth_per_s = std::log(std::abs(z)) / dt_s, .omega_rad_per_s = std::arg(z) / dt_s});
   }
   std::sort(modes.begin(), modes.end(),
             [](const Mode& a, const Mode& b) { return a.growth_per_s > b.growth_per_s; });

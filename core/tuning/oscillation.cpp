@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kFewestSamples = 12;
 constexpr double kSignificant = 5.0;  ///< deviations of an amplitude
-constexpr double kSmallest = 1.5;     ///< noise deviations; below it rounding makes modes of its own
+constexpr double kSmallest = 1.5;  ///< noise deviations; below it rounding makes modes of its own
 constexpr int kMostIterations = 40;
 
 /// Model and its derivatives at one set of parameters. Layout: c0, c1, then per mode (σ, ω, a, b)
@@ -124,7 +124,9 @@ Eigen::VectorXd start(const Model& model, const Record& record, double middle_s)
 }
 
 /// Levenberg–Marquardt, columns scaled to equal length.
-std::optional<Fit> refine(const Model& model, Eigen::VectorXd p, const Record& record,
+std::optional<Fit> refine(const Model& model,
+                          Eigen::VectorXd p,
+                          const Record& record,
                           double noise_std) {
   const double middle_s = 0.5 * (record.t_s.front() + record.t_s.back());
   const auto n = static_cast<Eigen::Index>(model.size());
@@ -154,8 +156,8 @@ std::optional<Fit> refine(const Model& model, Eigen::VectorXd p, const Record& r
   // Correlated residuals inform less: their count shrinks by (1 + r)/(1 − r).
   const double r = std::clamp(here.lagged / std::max(here.sum, 1e-300), 0.0, 0.95);
   const double floor = 0.1 * noise_std;
-  const double variance =
-      std::max(here.sum / (samples - static_cast<double>(n)), floor * floor) * (1.0 + r) / (1.0 - r);
+  const double variance = std::max(here.sum / (samples - static_cast<double>(n)), floor * floor) *
+                          (1.0 + r) / (1.0 - r);
   const Eigen::VectorXd scale = here.JJ.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
   const Eigen::MatrixXd A = scale.asDiagonal() * here.JJ * scale.asDiagonal();
   const Eigen::MatrixXd inverse = A.completeOrthogonalDecomposition().pseudoInverse();
@@ -243,7 +245,9 @@ Oscillation describe(const Fit& fit, Eigen::Index at, double half_span_s, double
   if (bent) {
     variance += 2.0 * tau * fit.covariance(at, last) + tau * tau * fit.covariance(last, last);
   }
-  const auto envelope = [&](double t) { return middle * std::exp(growth * t + 0.5 * bend * t * t); };
+  const auto envelope = [&](double t) {
+    return middle * std::exp(growth * t + 0.5 * bend * t * t);
+  };
   constexpr double kTurn = 2.0 * std::numbers::pi;
   return {.growth_per_s = growth + bend * tau,
           .growth_std_per_s = std::sqrt(std::max(variance, 0.0)),

@@ -34,9 +34,9 @@ struct Oscillation {
 ///
 /// τ counted from the record's middle, the modes started from find_modes(). The bend ρ belongs to
 /// the dominant mode alone and only where it stands out by three deviations: it lets the growth
-/// depend on amplitude, as friction and quantisation make it, and σ + ρ τ is taken at the instant at
-/// which the envelope has `amplitude_wanted` (inside the middle half of the record). Variances come
-/// from the residual, its correlation from one sample to the next included.
+/// depend on amplitude, as friction and quantisation make it, and σ + ρ τ is taken at the instant
+/// at which the envelope has `amplitude_wanted` (inside the middle half of the record). Variances
+/// come from the residual, its correlation from one sample to the next included.
 ///
 /// Absent when no oscillation stands out, or the record is too short for one (12 samples).
 /// Thread: any; it allocates, so not for a loop.
