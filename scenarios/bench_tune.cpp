@@ -65,7 +65,7 @@ double quantile(std::vector<double> values, double share) {
 void write_rows(const std::string& file, const std::vector<Row>& rows) {
   std::ofstream out{file};
   out << "case,experiment,mass_kg,damping,delay_ms,lag_ms,mode_Hz,quantum_um,analytic,analytic_Hz,"
-         "gain,low,high,error,frequency_Hz,end,probes,arm_s,chi2,slope,speed,travel_mm,force,"
+         "gain,low,high,error,frequency_Hz,end,probes,arm_s,scatter,slope,speed,travel_mm,force,"
          "energy_mJ,within_bounds\n";
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto& [one, tuned] = rows[i];
@@ -81,7 +81,7 @@ void write_rows(const std::string& file, const std::vector<Row>& rows) {
         i, name_of(one.experiment), arm.mass_kg, arm.damping_Ns_per_m, 1e3 * arm.delay_s,
         1e3 * arm.lag_s, mode, 1e6 * one.quantum_m, margin.gain, margin.frequency_Hz, c.gain, c.low,
         c.high, rows[i].error(), tuned.point.frequency_Hz, name_of(tuned.point.end),
-        tuned.point.probes.size(), tuned.point.arm_seconds, c.chi2, c.slope_per_s,
+        tuned.point.probes.size(), tuned.point.arm_seconds, c.scatter_per_s, c.slope_per_s,
         tuned.true_speed_m_per_s, 1e3 * tuned.true_travel_m, tuned.true_force_N,
         1e3 * tuned.true_energy_J, tuned.within_bounds ? 1 : 0);
   }

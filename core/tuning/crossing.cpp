@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include <Eigen/Dense>
+
 namespace teleop {
 namespace {
 
@@ -15,80 +17,86 @@ double student_t(std::size_t freedom) {
   return 1.645 + 1.7 / static_cast<double>(freedom);
 }
 
-struct Line {
-  double mean_u = 0.0;
-  double at_mean = 0.0;  ///< σ there
-  double slope = 0.0;
-  double var_at_mean = 0.0;
-  double var_slope = 0.0;
+/// σ = c₀ + c₁ x + c₂ x², x = u − zero.
+struct Parabola {
+  Eigen::Vector3d c = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   double chi2 = 0.0;
 };
 
-Line weighted_line(std::span<const GrowthPoint> points, double zero_u, double slope) {
-  double sw = 0.0;
-  double su = 0.0;
-  double ss = 0.0;
+Parabola regress(std::span<const GrowthPoint> points, double zero, double slope, double scatter) {
+  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  const double prior = 0.5 * std::max(std::abs(slope), 1e-3);
+  A(2, 2) = 1.0 / (prior * prior);
   const auto weight = [&](const GrowthPoint& p) {
-    const double away = std::log(p.gain) - zero_u;
-    const double bend = 0.5 * slope * away * away;
-    return 1.0 / (p.std_per_s * p.std_per_s + bend * bend + 1e-12);
+    return 1.0 / (p.std_per_s * p.std_per_s + scatter * scatter + 1e-12);
+  };
+  const auto row = [&](const GrowthPoint& p) {
+    const double x = std::log(p.gain) - zero;
+    return Eigen::Vector3d{1.0, x, x * x};
   };
   for (const GrowthPoint& p : points) {
-    const double w = weight(p);
-    sw += w;
-    su += w * std::log(p.gain);
-    ss += w * p.growth_per_s;
+    A += weight(p) * row(p) * row(p).transpose();
+    b += weight(p) * p.growth_per_s * row(p);
   }
-  Line line{.mean_u = su / sw, .at_mean = ss / sw};
-  double suu = 0.0;
-  double sus = 0.0;
-  for (const GrowthPoint& p : points) {
-    const double du = std::log(p.gain) - line.mean_u;
-    suu += weight(p) * du * du;
-    sus += weight(p) * du * (p.growth_per_s - line.at_mean);
+  Parabola fit;
+  const Eigen::Vector3d scale = A.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::Matrix3d scaled = scale.asDiagonal() * A * scale.asDiagonal();
+  fit.covariance = scale.asDiagonal() * scaled.inverse() * scale.asDiagonal();
+  fit.c = fit.covariance * b;
+  for (const GrowthPoint& p : points)
+    fit.chi2 += weight(p) * std::pow(p.growth_per_s - fit.c.dot(row(p)), 2);
+  return fit;
+}
+
+/// The scatter that explains χ², by bisection; zero where none is needed.
+double scatter_of(std::span<const GrowthPoint> points, double zero, double slope) {
+  const auto freedom = static_cast<double>(points.size() - 2);
+  if (regress(points, zero, slope, 0.0).chi2 <= freedom) return 0.0;
+  double low = 0.0;
+  double high = 1e-3;
+  while (high < 1e6 && regress(points, zero, slope, high).chi2 > freedom)
+    high *= 2.0;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = 0.5 * (low + high);
+    (regress(points, zero, slope, middle).chi2 > freedom ? low : high) = middle;
   }
-  if (suu <= 0.0) return line;
-  line.slope = sus / suu;
-  line.var_at_mean = 1.0 / sw;
-  line.var_slope = 1.0 / suu;
-  for (const GrowthPoint& p : points) {
-    const double du = std::log(p.gain) - line.mean_u;
-    line.chi2 += weight(p) * std::pow(p.growth_per_s - line.at_mean - line.slope * du, 2);
-  }
-  return line;
+  return high;
 }
 
 }  // namespace
 
 std::optional<Crossing> find_crossing(std::span<const GrowthPoint> points) {
   if (points.size() < 3) return std::nullopt;
-  const auto nearest = std::min_element(
-      points.begin(), points.end(), [](const GrowthPoint& a, const GrowthPoint& b) {
-        return std::abs(a.growth_per_s) < std::abs(b.growth_per_s);
-      });
-  double zero_u = std::log(nearest->gain);
-  Line line = weighted_line(points, zero_u, 0.0);
-  for (int i = 0; i < 8; ++i) {
-    if (line.slope <= 0.0) return std::nullopt;
-    // Not further than the points reach: a guess from afar would weigh all of them alike.
-    zero_u = std::clamp(line.mean_u - line.at_mean / line.slope, zero_u - 0.5, zero_u + 0.5);
-    line = weighted_line(points, zero_u, line.slope);
+  const auto [first, last] = std::minmax_element(
+      points.begin(), points.end(),
+      [](const GrowthPoint& a, const GrowthPoint& b) { return a.gain < b.gain; });
+  const double lowest = std::log(first->gain);
+  const double highest = std::log(last->gain);
+  if (highest - lowest < 1e-9) return std::nullopt;
+  double zero = 0.5 * (lowest + highest);
+  double slope = 0.0;
+  double scatter = 0.0;
+  Parabola fit;
+  for (int i = 0; i < 12; ++i) {
+    fit = regress(points, zero, slope == 0.0 ? 1e9 : slope, scatter);
+    if (!(fit.c[1] > 0.0)) return std::nullopt;
+    slope = fit.c[1];
+    scatter = scatter_of(points, zero, slope);
+    // Not far beyond the points.
+    zero = std::clamp(zero - fit.c[0] / slope, lowest - 0.1, highest + 0.1);
   }
-  if (line.slope <= 0.0) return std::nullopt;
-  const std::size_t freedom = points.size() - 2;
-  const double chi2 = line.chi2 / static_cast<double>(freedom);
-  const double t = student_t(freedom) * std::sqrt(std::max(chi2, 1.0));
-  // Fieller: all u at which the line's own deviation reaches zero.
-  const double a = line.slope * line.slope - t * t * line.var_slope;
-  if (a <= 0.0) return std::nullopt;
-  const double b = line.at_mean * line.slope;
-  const double c = line.at_mean * line.at_mean - t * t * line.var_at_mean;
-  const double root = std::sqrt(std::max(b * b - a * c, 0.0));
-  return Crossing{.gain = std::exp(line.mean_u - line.at_mean / line.slope),
-                  .low = std::exp(line.mean_u + (-b - root) / a),
-                  .high = std::exp(line.mean_u + (-b + root) / a),
-                  .slope_per_s = line.slope,
-                  .chi2 = chi2};
+  fit = regress(points, zero, slope, scatter);
+  const double t = student_t(points.size() - 2);
+  if (fit.c[1] < t * std::sqrt(fit.covariance(1, 1))) return std::nullopt;
+  const double deviation = std::sqrt(fit.covariance(0, 0)) / fit.c[1];
+  const double u = zero - fit.c[0] / fit.c[1];
+  return Crossing{.gain = std::exp(u),
+                  .low = std::exp(u - t * deviation),
+                  .high = std::exp(u + t * deviation),
+                  .slope_per_s = fit.c[1],
+                  .scatter_per_s = scatter};
 }
 
 }  // namespace teleop

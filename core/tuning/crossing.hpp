@@ -17,17 +17,21 @@ struct Crossing {
   double gain = 0.0;
   double low = 0.0;  ///< 90 % interval
   double high = 0.0;
-  double slope_per_s = 0.0;  ///< dσ / d ln g
-  double chi2 = 0.0;         ///< a degree of freedom
+  double slope_per_s = 0.0;    ///< dσ / d ln g
+  double scatter_per_s = 0.0;  ///< deviation of the points beyond what they claim
 
   [[nodiscard]] double relative_width() const noexcept { return (high - low) / gain; }
 };
 
-/// Weighted straight line σ = β (u − u*) through the points, u = ln gain; points far from u* weigh
-/// less, because growth bends with the gain by about ½ β (u − u*)². The interval of u* is that of
-/// the ratio −α/β [Fieller 1954], deviations scaled up where the points scatter more than they
-/// claim, quantiles of Student's t. Absent with fewer than three points, or a slope that is not
-/// positive beyond its own deviation.
+/// Regression of growth rate on log gain,
+///
+///     σ_i = β (u_i − u*) + γ (u_i − u*)² + scatter + error_i,   u = ln gain.
+///
+/// The bend γ is held near zero by a prior of deviation β/2 (growth that is linear in the gain has
+/// γ = β/2). Beyond the deviations that the points claim they scatter, because rounding makes
+/// growth depend on where the counts fall; the scatter is the one that makes χ² equal its degrees
+/// of freedom [Mandel 1970, random effects]. The interval of u* takes Student's t. Absent with
+/// fewer than three points, or where the slope is not positive beyond its own deviation.
 [[nodiscard]] std::optional<Crossing> find_crossing(std::span<const GrowthPoint> points);
 
 }  // namespace teleop

@@ -18,8 +18,8 @@ constexpr double kCautiousFactor = 1.6;
 constexpr double kNear = 0.12;           ///< |ln g/g*| of probes that count for the interval
 constexpr double kSameFrequency = 0.15;  ///< relative
 constexpr double kWorthBracketing = 1.15;
-constexpr std::size_t kFewestNear = 5;
-constexpr int kMostInARow = 4;  ///< probes that say nothing
+constexpr std::size_t kFewestNear = 8;
+constexpr int kMostInARow = 6;  ///< probes that say nothing
 
 bool is_stable(const ProbeResult& p) {
   return p.verdict == Verdict::quiet || p.verdict == Verdict::decays || p.verdict == Verdict::small;
@@ -192,14 +192,14 @@ ProbePlan plan_for(const MarginalSearch::Config& c,
   const double start_m = wish.start_m * plan.amplitude_m / c.amplitude_m;
   double push = kFirstPush_N;
   if (last != nullptr) {
-    const double swing = std::max(last->outcome.peak_swing_m, 0.3 * c.quantum_m);
+    const double swing = std::max(last->outcome.peak_swing_m, c.quantum_m);
     const double impulse = std::abs(last->plan.push_N) * last->plan.push_ticks;
-    push = impulse * std::clamp(start_m / swing, 0.1, 4.0) / plan.push_ticks;
+    push = impulse * std::clamp(start_m / swing, 0.1, 10.0) / plan.push_ticks;
   }
   push = std::clamp(push, kSmallestPush_N, 0.7 * c.bounds.force_N);
   plan.push_N = probes.size() % 2 == 0 ? push : -push;
   plan.ceiling_m = std::max(2.5 * plan.amplitude_m, 1.6 * start_m);
-  plan.floor_m = 0.35 * plan.amplitude_m;
+  plan.floor_m = 2.5 * c.quantum_m;
   return plan;
 }
 
@@ -246,16 +246,16 @@ Wish refined(const MarginalSearch::Config& c,
   const double amplitude = room_for(c, &nearest);
   const double noise = c.quantum_m / std::sqrt(12.0);
   // Cramér–Rao: std(σ) = √24 noise/A √T / watch^{3/2}; one probe alone should give half the width.
-  const double wanted = 0.25 * c.width * slope;
+  const double wanted = 0.5 * c.width * slope;
   const double needed =
       std::pow(std::sqrt(24.0) * noise / amplitude * std::sqrt(c.period_s) / wanted, 2.0 / 3.0);
   const double watch = std::clamp(needed, std::max(12.0 * period, 0.25), 2.5);
-  const double most = std::clamp(0.5 / (slope * watch), 0.5 * c.width, 0.05);
+  const double most = std::clamp(1.0 / (slope * watch), 0.015, 0.06);
   const auto above = std::count_if(points.begin(), points.end(),
                                    [&](const GrowthPoint& p) { return p.gain > zero; });
   const auto below = static_cast<std::ptrdiff_t>(points.size()) - above;
   // Distances that do not repeat: whatever depends on where the counts fall averages out.
-  const double share = 0.4 + 0.6 * std::fmod(0.618 * static_cast<double>(points.size()), 1.0);
+  const double share = 0.5 + 0.5 * std::fmod(0.618 * static_cast<double>(points.size()), 1.0);
   const double away = (above > below ? -1.0 : 1.0) * share * most;
   return {.gain = zero * std::exp(away),
           .start_m = c.amplitude_m * std::clamp(std::exp(-0.5 * slope * away * watch), 0.6, 1.7),

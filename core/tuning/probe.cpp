@@ -180,11 +180,12 @@ void Probe::advance(const LoopUnderTest::Turn& turn) noexcept {
       const double swing = amplitude(window);
       ++outcome_.watch_ticks;
       outcome_.peak_swing_m = std::max(outcome_.peak_swing_m, swing);
+      const double floor = std::max(plan_.floor_m, kFloorShare * outcome_.peak_swing_m);
       if (turn.cut) {
         end_watch(ProbeStop::force, 1);
       } else if (swing > plan_.ceiling_m) {
         end_watch(ProbeStop::grew, 1);
-      } else if (filled_ >= window && swing < plan_.floor_m) {
+      } else if (filled_ >= window && swing < floor) {
         end_watch(ProbeStop::decayed, 1);
       } else if (in_phase_s >= plan_.watch_s) {
         end_watch(ProbeStop::time, 1);

@@ -21,6 +21,7 @@ struct ProbeBounds {
   double energy_J = 0.5;       ///< that the motors put in, in one probe
 };
 inline constexpr double kStopShare = 0.6;
+inline constexpr double kFloorShare = 0.35;
 
 /// Why the watch of a probe ended. Numbers are part of the journal.
 enum class ProbeStop : std::uint8_t {
@@ -50,7 +51,7 @@ struct ProbePlan {
   double period_s = 0.05;     ///< expected; amplitudes are half the peak to peak over one
   double amplitude_m = 3e-4;  ///< A: the growth at this amplitude is asked for
   double ceiling_m = 1e-3;    ///< amplitude at which the watch ends
-  double floor_m = 1e-4;
+  double floor_m = 1e-4;      ///< and at which it ends, or kFloorShare of the largest so far
 };
 
 /// What the loop itself knows of a probe; the rest is for the analysis of its trace.

@@ -10,6 +10,7 @@ namespace {
 constexpr double kSkip_s = 0.004;          ///< after the push: delays and lags empty
 constexpr double kMostLostTurns = 0.01;    ///< share
 constexpr double kLimitCycleCounts = 3.0;  ///< largest amplitude of one
+constexpr double kTelling = 0.3;           ///< of the amplitude asked for
 constexpr std::size_t kMostSamples = 1200;
 constexpr double kSamplesAPeriod = 40.0;
 
@@ -141,7 +142,9 @@ Verdict judge(const ProbeResult& result, double quantum_m, int turned_back) {
   if (!result.oscillation) {
     const bool ran_away = is_bound(stop) || stop == ProbeStop::grew;
     if (ran_away && turned_back < 2) return Verdict::overshot;
-    return ran_away ? Verdict::grows : Verdict::quiet;
+    if (ran_away) return Verdict::grows;
+    const bool weak = result.outcome.peak_swing_m < kTelling * result.plan.amplitude_m;
+    return weak ? Verdict::undershot : Verdict::quiet;
   }
   const Oscillation& o = *result.oscillation;
   const double largest = std::max(o.amplitude_start, o.amplitude_end);
@@ -163,6 +166,8 @@ std::string_view name_of(Verdict verdict) noexcept {
       return "small";
     case Verdict::overshot:
       return "overshot";
+    case Verdict::undershot:
+      return "undershot";
     case Verdict::disturbed:
       return "disturbed";
   }

@@ -18,7 +18,8 @@ enum class Verdict : std::uint8_t {
   small = 3,      ///< what oscillates is no larger than three counts: rounding or friction, a limit
                   ///< cycle that the gain of marginal stability has nothing to do with
   overshot = 4,   ///< the push alone passed the ceiling: says nothing but that it was too strong
-  disturbed = 5,  ///< the loop lost turns, or it was not at rest before the push: says nothing
+  undershot = 5,  ///< nothing oscillated, after a push too weak to tell
+  disturbed = 6,  ///< the loop lost turns, or it was not at rest before the push: says nothing
 };
 [[nodiscard]] std::string_view name_of(Verdict verdict) noexcept;
 
