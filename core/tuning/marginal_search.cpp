@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -58,6 +59,10 @@ Knowledge look(Probes probes, double period_s) {
     }
   }
   double calmest = 0.0;
+  double not_safe = std::numeric_limits<double>::infinity();
+  for (const ProbeResult& p : probes)
+    if (p.outcome.fallbacks > 0 && p.plan.safe_gain > 0.0)
+      not_safe = std::min(not_safe, p.plan.safe_gain);
   for (const ProbeResult& p : probes) {
     const bool below = k.high == nullptr || p.plan.gain < k.high->plan.gain;
     if (has_rate(p) && (k.nearest == nullptr || std::abs(p.oscillation->growth_per_s) <
@@ -67,7 +72,7 @@ Knowledge look(Probes probes, double period_s) {
     if (k.low == nullptr || p.plan.gain > k.low->plan.gain) k.low = &p;
     const bool well_below = k.high == nullptr || p.plan.gain < 0.8 * k.high->plan.gain;
     const double calm = calm_of(p, period_s);
-    if (well_below && p.outcome.rests && calm > calmest) {
+    if (well_below && p.plan.gain < not_safe && calm > calmest) {
       calmest = calm;
       k.safe_gain = p.plan.gain;
     }
@@ -175,16 +180,16 @@ ProbePlan plan_for(const MarginalSearch::Config& c,
   const ProbeResult* oscillating = nullptr;
   for (const ProbeResult& p : probes) {
     if (p.outcome.watch_ticks > 0) last = &p;
-    if (p.oscillation && says_something(p)) oscillating = &p;
+    if (has_rate(p)) oscillating = &p;
   }
-  ProbePlan plan{.gain = wish.gain, .safe_gain = k.safe_gain};
+  ProbePlan plan{.gain = wish.gain, .safe_gain = k.safe_gain, .memory_s = c.memory_s};
   plan.amplitude_m = room_for(c, k.nearest != nullptr ? k.nearest : oscillating);
   double push_s = kFirstPush_s;
-  double watch_s = 0.4;
+  double watch_s = 0.4 + 2.0 * c.memory_s;
   if (oscillating != nullptr) {
     plan.period_s = 1.0 / oscillating->oscillation->frequency_Hz;
     push_s = 0.25 * plan.period_s;
-    watch_s = std::clamp(8.0 * plan.period_s, 0.25, 1.5);
+    watch_s = std::clamp(8.0 * plan.period_s, 0.25 + 2.0 * c.memory_s, 1.5);
   }
   plan.watch_s = wish.watch_s > 0.0 ? wish.watch_s : watch_s;
   plan.push_ticks = std::clamp(static_cast<int>(std::lround(push_s / c.period_s)), 1,

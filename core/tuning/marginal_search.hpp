@@ -38,6 +38,7 @@ class MarginalSearch {
   struct Config {
     Experiment experiment = Experiment::wall;
     double period_s = 1e-3;
+    double memory_s = 0.02;     ///< of the law: as in ProbePlan
     double quantum_m = 27e-6;   ///< of the coarsest tool
     double amplitude_m = 3e-4;  ///< A, see default_amplitude()
     double start_gain = 0.0;    ///< 0: of the experiment

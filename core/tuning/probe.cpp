@@ -58,6 +58,8 @@ void Probe::begin(const ProbePlan& plan) noexcept {
 void Probe::go(Phase next) noexcept {
   phase_ = next;
   in_phase_ = 0;
+  on_level_ = 0;
+  small_for_ = 0;
   if (next == Phase::push) return;  // the window goes on
   const double window_s = next == Phase::watch ? plan_.period_s : kRest_s;
   const double ticks = window_s / config_.period_s;
@@ -104,12 +106,12 @@ void Probe::measure(const LoopUnderTest::Turn& turn, double dt) noexcept {
 }
 
 /// Looks at the readings alone, before any force is computed from them.
-bool Probe::broke_bound(const std::array<ArmState, kMostArms>& arms, double dt) noexcept {
+void Probe::look_at_bounds(const std::array<ArmState, kMostArms>& arms, double dt) noexcept {
   ProbeStop stop = ProbeStop::time;
   for (std::size_t i = 0; i < loop_->arms(); ++i) {
     if (arms[i].fault != Fault::none || !arms[i].q.allFinite()) {
       end_watch(ProbeStop::fault, 0);
-      return true;
+      return;
     }
     const double x = loop_->frame(i).displacement(arms[i].q)[axis_];
     if (std::abs(x) > kStopShare * config_.bounds.travel_m) stop = ProbeStop::travel;
@@ -123,10 +125,21 @@ bool Probe::broke_bound(const std::array<ArmState, kMostArms>& arms, double dt) 
     outcome_.energy_J = std::max(outcome_.energy_J, work_J_);
     if (work_J_ > kStopShare * config_.bounds.energy_J) stop = ProbeStop::energy;
   }
-  const bool pushed = phase_ == Phase::push || phase_ == Phase::watch;
-  if (stop == ProbeStop::time || !pushed) return false;
-  end_watch(stop, 0);
-  return true;
+  if (stop == ProbeStop::time) return;
+  if (phase_ == Phase::push || phase_ == Phase::watch) {
+    end_watch(stop, 0);
+  } else {
+    fall_back();
+  }
+}
+
+/// Less law, where the law is what keeps the arm moving.
+void Probe::fall_back() noexcept {
+  // A bound stays broken for a while after the gain has changed.
+  const bool is_new = on_level_ * config_.period_s < kRest_s;
+  if (is_new || outcome_.fallbacks == 2) return;
+  ++outcome_.fallbacks;
+  on_level_ = 0;
 }
 
 void Probe::end_watch(ProbeStop stop, int ticks_to_safe) noexcept {
@@ -155,9 +168,31 @@ bool Probe::rests() noexcept {
   return 2.0 * outcome_.rest_peak_m <= kRestCounts * quantum;
 }
 
+void Probe::advance_watch(const LoopUnderTest::Turn& turn) noexcept {
+  remember(turn);
+  const auto window = static_cast<std::size_t>(
+      std::clamp(plan_.period_s / config_.period_s / stride_, 4.0, double{kWindow}));
+  const double swing = amplitude(window);
+  ++outcome_.watch_ticks;
+  outcome_.peak_swing_m = std::max(outcome_.peak_swing_m, swing);
+  const double floor = std::max(plan_.floor_m, kFloorShare * outcome_.peak_swing_m);
+  small_for_ = filled_ >= window && swing < floor ? small_for_ + 1 : 0;
+  if (turn.cut) {
+    end_watch(ProbeStop::force, 1);
+  } else if (swing > plan_.ceiling_m) {
+    end_watch(ProbeStop::grew, 1);
+  } else if (small_for_ * config_.period_s > plan_.memory_s) {
+    end_watch(ProbeStop::decayed, 1);
+  } else if (in_phase_ * config_.period_s >= plan_.watch_s) {
+    end_watch(ProbeStop::time, 1);
+  }
+}
+
 /// What follows from this tick for the next.
 void Probe::advance(const LoopUnderTest::Turn& turn) noexcept {
   const double in_phase_s = in_phase_ * config_.period_s;
+  const bool calms = phase_ == Phase::settle || phase_ == Phase::recover;
+  if (calms && on_level_ * config_.period_s > kPatience_s) fall_back();
   switch (phase_) {
     case Phase::settle:
       if (rests()) {
@@ -173,25 +208,9 @@ void Probe::advance(const LoopUnderTest::Turn& turn) noexcept {
         go(Phase::watch);
       }
       break;
-    case Phase::watch: {
-      remember(turn);
-      const auto window = static_cast<std::size_t>(
-          std::clamp(plan_.period_s / config_.period_s / stride_, 4.0, double{kWindow}));
-      const double swing = amplitude(window);
-      ++outcome_.watch_ticks;
-      outcome_.peak_swing_m = std::max(outcome_.peak_swing_m, swing);
-      const double floor = std::max(plan_.floor_m, kFloorShare * outcome_.peak_swing_m);
-      if (turn.cut) {
-        end_watch(ProbeStop::force, 1);
-      } else if (swing > plan_.ceiling_m) {
-        end_watch(ProbeStop::grew, 1);
-      } else if (filled_ >= window && swing < floor) {
-        end_watch(ProbeStop::decayed, 1);
-      } else if (in_phase_s >= plan_.watch_s) {
-        end_watch(ProbeStop::time, 1);
-      }
+    case Phase::watch:
+      advance_watch(turn);
       break;
-    }
     case Phase::recover:
       outcome_.rests = rests();
       if (outcome_.rests || in_phase_s > config_.longest_rest_s) phase_ = Phase::done;
@@ -201,20 +220,22 @@ void Probe::advance(const LoopUnderTest::Turn& turn) noexcept {
   }
 }
 
+LoopUnderTest::Command Probe::command() const noexcept {
+  const bool tried = phase_ == Phase::push || phase_ == Phase::watch;
+  return {.gain = tried ? plan_.gain : (outcome_.fallbacks > 0 ? 0.0 : plan_.safe_gain),
+          .push_N = phase_ == Phase::push ? plan_.push_N : 0.0,
+          .hold_axis = !tried && outcome_.fallbacks < 2,
+          .most_force_N = config_.bounds.force_N};
+}
+
 LoopUnderTest::Turn Probe::step(const std::array<ArmState, kMostArms>& arms, double dt) noexcept {
   ++outcome_.ticks;
   ++in_phase_;
+  ++on_level_;
   if (abandoned_ && phase_ != Phase::recover) end_watch(ProbeStop::abandoned, 0);
-  (void)broke_bound(arms, dt);
+  look_at_bounds(arms, dt);
   if (outcome_.stop == ProbeStop::fault) return {};
-  const bool tried = phase_ == Phase::push || phase_ == Phase::watch;
-  const LoopUnderTest::Turn turn =
-      loop_->step(arms,
-                  {.gain = tried ? plan_.gain : plan_.safe_gain,
-                   .push_N = phase_ == Phase::push ? plan_.push_N : 0.0,
-                   .hold_axis = !tried,
-                   .most_force_N = config_.bounds.force_N},
-                  dt);
+  const LoopUnderTest::Turn turn = loop_->step(arms, command(), dt);
   measure(turn, dt);
   advance(turn);
   return turn;

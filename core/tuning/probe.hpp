@@ -49,6 +49,7 @@ struct ProbePlan {
   int push_ticks = 1;
   double watch_s = 1.0;
   double period_s = 0.05;     ///< expected; amplitudes are half the peak to peak over one
+  double memory_s = 0.02;     ///< of the law: what is small for so long stays small
   double amplitude_m = 3e-4;  ///< A: the growth at this amplitude is asked for
   double ceiling_m = 1e-3;    ///< amplitude at which the watch ends
   double floor_m = 1e-4;      ///< and at which it ends, or kFloorShare of the largest so far
@@ -58,6 +59,7 @@ struct ProbePlan {
 struct ProbeOutcome {
   ProbeStop stop = ProbeStop::time;
   bool rests = false;  ///< at the end, verified
+  int fallbacks = 0;   ///< 1: it took zero gain to come to rest; 2: and no weak loop either
   int ticks = 0;       ///< of the whole probe
   int watch_ticks = 0;
   double peak_swing_m = 0.0;  ///< largest amplitude during the watch
@@ -80,6 +82,9 @@ struct ProbeTrace {
 /// safe gain and waits for rest again:
 ///
 ///     settle → push → watch → recover → done
+///
+/// Should the motion not die under the safe gain, within kPatience_s or the bounds, the gain
+/// becomes zero, and then the weak loop on the axis is left out as well.
 ///
 /// Every tick looks at the bounds first: the tick whose reading breaks one already computes its
 /// force with the safe gain. At rest: for kRest_s no tool moved along the axis by more than three
@@ -113,17 +118,21 @@ class Probe {
   [[nodiscard]] const ProbeBounds& bounds() const noexcept { return config_.bounds; }
 
   static constexpr double kRest_s = 0.06;
+  static constexpr double kPatience_s = 1.5;
 
  private:
   enum class Phase : std::uint8_t { settle, push, watch, recover, done };
   static constexpr std::size_t kWindow = 128;
 
   void measure(const LoopUnderTest::Turn& turn, double dt) noexcept;
-  [[nodiscard]] bool broke_bound(const std::array<ArmState, kMostArms>& arms, double dt) noexcept;
+  void look_at_bounds(const std::array<ArmState, kMostArms>& arms, double dt) noexcept;
   void remember(const LoopUnderTest::Turn& turn) noexcept;
   void go(Phase next) noexcept;
   void end_watch(ProbeStop stop, int ticks_to_safe) noexcept;
   void advance(const LoopUnderTest::Turn& turn) noexcept;
+  void advance_watch(const LoopUnderTest::Turn& turn) noexcept;
+  void fall_back() noexcept;
+  [[nodiscard]] LoopUnderTest::Command command() const noexcept;
   [[nodiscard]] double amplitude(std::size_t window) const noexcept;
   [[nodiscard]] bool rests() noexcept;
 
@@ -136,6 +145,8 @@ class Probe {
   Phase phase_ = Phase::done;
   bool abandoned_ = false;
   int in_phase_ = 0;  ///< ticks
+  int on_level_ = 0;  ///< ticks since the last fallback
+  int small_for_ = 0;
   double time_s_ = 0.0;
   double work_J_ = 0.0;
   std::array<double, kMostArms> last_x_{};

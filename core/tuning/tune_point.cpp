@@ -6,6 +6,12 @@
 namespace teleop {
 namespace {
 
+/// How long the law remembers: what a push did may come back after the estimator's span.
+double memory_of(const VelocityEstimator::Config& velocity, double period_s) {
+  constexpr double kDelays_s = 0.02;
+  return kDelays_s + (velocity.kind == "mean" ? velocity.mean.samples * period_s : 0.0);
+}
+
 /// Frequency and shape at the crossing: of the rated probe nearest to it.
 void describe(PointResult& result) {
   const ProbeResult* nearest = nullptr;
@@ -42,6 +48,7 @@ PointResult tune_point(const PointConfig& config,
   MarginalSearch::Config how = config.search;
   how.experiment = config.experiment.experiment;
   how.period_s = ports.period_s;
+  how.memory_s = memory_of(config.experiment.velocity, ports.period_s);
   how.quantum_m = quantum_of(frames, config.experiment.axis);
   how.bounds = config.bounds;
   how.amplitude_m = config.amplitude_m > 0.0 ? config.amplitude_m
