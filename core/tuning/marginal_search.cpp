@@ -28,8 +28,7 @@ bool is_stable(const ProbeResult& p) {
 bool says_something(const ProbeResult& p) { return is_stable(p) || p.verdict == Verdict::grows; }
 bool has_rate(const ProbeResult& p) {
   const bool rated = p.verdict == Verdict::decays || p.verdict == Verdict::grows;
-  return rated && p.oscillation && p.oscillation->growth_std_per_s > 0.0 &&
-         p.oscillation->growth_std_per_s < 0.3 * (std::abs(p.oscillation->growth_per_s) + 5.0);
+  return rated && p.oscillation && p.oscillation->is_rated();
 }
 
 /// What is known from the probes so far.
@@ -70,7 +69,7 @@ Knowledge look(Probes probes, double period_s) {
       k.nearest = &p;
     if (!is_stable(p) || !below) continue;
     if (k.low == nullptr || p.plan.gain > k.low->plan.gain) k.low = &p;
-    const bool well_below = k.high == nullptr || p.plan.gain < 0.8 * k.high->plan.gain;
+    const bool well_below = k.high == nullptr || p.plan.gain < 0.6 * k.high->plan.gain;
     const double calm = calm_of(p, period_s);
     if (well_below && p.plan.gain < not_safe && calm > calmest) {
       calmest = calm;
@@ -111,9 +110,10 @@ bool on_both_sides(const std::vector<GrowthPoint>& points) {
 std::optional<double> secant(const ProbeResult* a, const ProbeResult* b) {
   const bool rated = a != nullptr && b != nullptr && has_rate(*a) && has_rate(*b);
   if (!rated || a->plan.gain == b->plan.gain) return std::nullopt;
-  const double fa = a->oscillation->frequency_Hz;
-  const double fb = b->oscillation->frequency_Hz;
-  if (std::max(fa, fb) > 1.8 * std::min(fa, fb)) return std::nullopt;
+  // In steps of the exploration the frequency of one mode moves with the root of the gain.
+  const double ratio = b->oscillation->frequency_Hz / a->oscillation->frequency_Hz;
+  const double expected = std::sqrt(b->plan.gain / a->plan.gain);
+  if (std::abs(std::log(ratio)) > std::abs(std::log(expected)) + 0.1) return std::nullopt;
   const double slope =
       (b->oscillation->growth_per_s - a->oscillation->growth_per_s) / (b->plan.gain - a->plan.gain);
   if (slope <= 0.0) return std::nullopt;
@@ -197,7 +197,9 @@ ProbePlan plan_for(const MarginalSearch::Config& c,
   const double start_m = wish.start_m * plan.amplitude_m / c.amplitude_m;
   double push = kFirstPush_N;
   if (last != nullptr) {
-    const double swing = std::max(last->outcome.peak_swing_m, c.quantum_m);
+    const double seen =
+        has_rate(*last) ? last->oscillation->amplitude_start : last->outcome.peak_swing_m;
+    const double swing = std::max(seen, c.quantum_m);
     const double impulse = std::abs(last->plan.push_N) * last->plan.push_ticks;
     push = impulse * std::clamp(start_m / swing, 0.1, 10.0) / plan.push_ticks;
   }
@@ -310,6 +312,10 @@ MarginalSearch::Step MarginalSearch::next(Probes probes) const {
   }
   const double ratio = k.high->plan.gain / k.low->plan.gain;
   const std::optional<double> zero = secant(k.low, k.high);
+  if (ratio < kWorthBracketing && !has_rate(*k.low)) {
+    // So near the limit a stable probe shows an oscillation: what was quiet is looked at again.
+    return ask({.gain = 0.97 * k.low->plan.gain, .start_m = config_.amplitude_m});
+  }
   if (ratio < kWorthBracketing && zero && same_mode(*k.low, *k.high)) {
     const double slope =
         (k.high->oscillation->growth_per_s - k.low->oscillation->growth_per_s) / std::log(ratio);

@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::size_t kFewestSamples = 12;
 constexpr double kSignificant = 5.0;  ///< deviations of an amplitude
-constexpr double kSmallest = 1.5;  ///< noise deviations; below it rounding makes modes of its own
+constexpr double kSmallest = 3.5;     ///< noise deviations, a count; below it rounding makes modes
+constexpr double kShare = 0.08;       ///< of the largest oscillation: harmonics are smaller
 constexpr int kMostIterations = 40;
 
 /// Model and its derivatives at one set of parameters. Layout: c0, c1, then per mode (σ, ω, a, b)
@@ -188,17 +189,28 @@ struct Place {
 
 /// Of the modes that oscillate and stand out, the one that grows most.
 Place dominant(const Fit& fit, double noise_std, double half_span_s) {
-  Place best;
+  double largest_of_all = 0.0;
+  const auto largest_at = [&](Eigen::Index at) {
+    return std::hypot(fit.p[at + 2], fit.p[at + 3]) * std::exp(std::abs(fit.p[at]) * half_span_s);
+  };
   Eigen::Index at = 2;
+  for (const Mode& mode : fit.model.modes) {
+    const bool turns = mode.omega_rad_per_s > 0.0;
+    if (turns) largest_of_all = std::max(largest_of_all, largest_at(at));
+    at += turns ? 4 : 2;
+  }
+  Place best;
+  at = 2;
   for (std::size_t i = 0; i < fit.model.modes.size(); ++i) {
     const bool turns = fit.model.modes[i].omega_rad_per_s > 0.0;
     if (turns) {
       const double middle = std::hypot(fit.p[at + 2], fit.p[at + 3]);
-      const double largest = middle * std::exp(std::abs(fit.p[at]) * half_span_s);
       const double deviation =
           std::sqrt(fit.covariance(at + 2, at + 2) + fit.covariance(at + 3, at + 3));
-      const bool stands = middle > kSignificant * deviation && largest > kSmallest * noise_std &&
-                          fit.p[at + 1] > 0.0;
+      const bool stands =
+          middle > kSignificant * deviation &&
+          largest_at(at) > std::max(kSmallest * noise_std, kShare * largest_of_all) &&
+          fit.p[at + 1] > 0.0;
       if (stands && (best.at < 0 || fit.p[at] > fit.p[best.at])) best = {.at = at, .mode = i};
     }
     at += turns ? 4 : 2;

@@ -26,6 +26,12 @@ struct Oscillation {
   double amplitude_here = 0.0;  ///< where σ was taken: `amplitude_wanted`, or the nearest to it
   double residual_std = 0.0;
   int modes = 0;  ///< fitted, this one included
+
+  /// Whether σ is known well enough to count: a third of itself, or 1.5 1/s.
+  [[nodiscard]] bool is_rated() const noexcept {
+    const double size = growth_per_s < 0.0 ? -growth_per_s : growth_per_s;
+    return growth_std_per_s > 0.0 && growth_std_per_s < 0.3 * (size + 5.0);
+  }
 };
 
 /// Fits, by least squares over all parameters together,

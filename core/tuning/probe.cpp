@@ -157,6 +157,15 @@ void Probe::remember(const LoopUnderTest::Turn& turn) noexcept {
   ++trace_.size;
 }
 
+/// Whether there is room for a push.
+bool Probe::is_near() const noexcept {
+  constexpr double kNear = 0.25;
+  const auto near = [&](double x) {
+    return std::abs(x) < kNear * config_.bounds.travel_m;
+  };
+  return std::all_of(last_x_.begin(), last_x_.end(), near);
+}
+
 bool Probe::rests() noexcept {
   const auto window = static_cast<std::size_t>(
       std::min(kRest_s / config_.period_s / stride_, static_cast<double>(kWindow)));
@@ -192,10 +201,11 @@ void Probe::advance_watch(const LoopUnderTest::Turn& turn) noexcept {
 void Probe::advance(const LoopUnderTest::Turn& turn) noexcept {
   const double in_phase_s = in_phase_ * config_.period_s;
   const bool calms = phase_ == Phase::settle || phase_ == Phase::recover;
-  if (calms && on_level_ * config_.period_s > kPatience_s) fall_back();
+  const bool swells = calms && amplitude(kWindow) > 2.0 * plan_.ceiling_m;
+  if (swells || (calms && on_level_ * config_.period_s > kPatience_s)) fall_back();
   switch (phase_) {
     case Phase::settle:
-      if (rests()) {
+      if (rests() && is_near()) {
         go(Phase::push);
       } else if (in_phase_s > config_.longest_rest_s) {
         end_watch(ProbeStop::restless, 1);

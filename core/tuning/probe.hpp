@@ -135,6 +135,7 @@ class Probe {
   [[nodiscard]] LoopUnderTest::Command command() const noexcept;
   [[nodiscard]] double amplitude(std::size_t window) const noexcept;
   [[nodiscard]] bool rests() noexcept;
+  [[nodiscard]] bool is_near() const noexcept;
 
   Config config_;
   LoopUnderTest* loop_;

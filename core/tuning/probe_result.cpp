@@ -139,16 +139,15 @@ Verdict judge(const ProbeResult& result, double quantum_m, int turned_back) {
   const bool useless =
       stop == ProbeStop::restless || stop == ProbeStop::fault || stop == ProbeStop::abandoned;
   if (useless || lost) return Verdict::disturbed;
-  if (!result.oscillation) {
-    const bool ran_away = is_bound(stop) || stop == ProbeStop::grew;
-    if (ran_away && turned_back < 2) return Verdict::overshot;
-    if (ran_away) return Verdict::grows;
-    const bool weak = result.outcome.peak_swing_m < kTelling * result.plan.amplitude_m;
-    return weak ? Verdict::undershot : Verdict::quiet;
+  const bool ran_away = is_bound(stop) || stop == ProbeStop::grew;
+  const bool weak = result.outcome.peak_swing_m < kTelling * result.plan.amplitude_m;
+  if (!result.oscillation || !result.oscillation->is_rated()) {
+    if (ran_away) return turned_back < 2 ? Verdict::overshot : Verdict::grows;
+    return weak || stop == ProbeStop::time ? Verdict::undershot : Verdict::quiet;
   }
   const Oscillation& o = *result.oscillation;
   const double largest = std::max(o.amplitude_start, o.amplitude_end);
-  if (largest < kLimitCycleCounts * quantum_m) return Verdict::small;
+  if (largest < kLimitCycleCounts * quantum_m) return weak ? Verdict::undershot : Verdict::small;
   return o.growth_per_s > 0.0 ? Verdict::grows : Verdict::decays;
 }
 
