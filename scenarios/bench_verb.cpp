@@ -3,9 +3,33 @@
 #include <CLI/CLI.hpp>
 
 #include "scenarios/bench.hpp"
+#include "scenarios/bench_tune.hpp"
 #include "scenarios/verbs.hpp"
 
 namespace teleop {
+namespace {
+
+void add_bench_tune(CLI::App& bench, Action& action) {
+  const auto options = std::make_shared<BenchTuneOptions>();
+  CLI::App* kind =
+      bench.add_subcommand("tune", "the loop-gain tuner on random linear plants, against theory");
+  kind->add_option("--cases", options->cases, "how many plants")
+      ->check(CLI::Range(1, 100'000))
+      ->capture_default_str();
+  kind->add_option("--seed", options->seed, "of the plants")->capture_default_str();
+  kind->add_option("--threads", options->threads, "0: one a core")
+      ->check(CLI::Range(0, 256))
+      ->capture_default_str();
+  kind->add_option("--json", options->json, "write the figures to this file");
+  kind->add_option("--csv", options->cases_csv, "write a row a plant to this file");
+  kind->callback([&action, options] {
+    action = [options] {
+      return run_bench_tune(*options);
+    };
+  });
+}
+
+}  // namespace
 
 void add_bench(CLI::App& app, Action& action) {
   const auto options = std::make_shared<BenchOptions>();
@@ -26,6 +50,7 @@ void add_bench(CLI::App& app, Action& action) {
   add("link", "UDP round trip through the whole stack, against a bare socket", bench_link);
   add("loop", "lateness of the loop, against cyclictest", bench_loop);
   add("sim", "simulated pair on simulated time, against real time", bench_sim);
+  add_bench_tune(*bench, action);
 }
 
 }  // namespace teleop
