@@ -154,7 +154,7 @@ TEST(KalmanVelocity, PassesRoundingWithTheStatedVariance) {
   }
 }
 
-TEST(KalmanVelocity, SurvivesAGapOfSecondsAndADayOfSamples) {
+TEST(KalmanVelocity, SurvivesGapsOfSecondsBetweenMinutesOfSamples) {
   KalmanVelocity estimator{{}, kCounts};
   estimator.step({.q = JointVector::Zero(), .dt = kPeriod});
   for (int k = 0; k < 200'000; ++k) {
