@@ -7,14 +7,15 @@
 namespace teleop {
 
 struct VelocityOptions {
-  std::vector<std::string> logs{};      ///< recordings; none: a fresh simulated motion
-  std::string device = "sim";           ///< of the fresh motion: sim[:PLANT]
-  std::string hand = "reach";           ///< what moves it
+  std::vector<std::string> logs{};      ///< recordings; none: an arm is read
+  std::string device = "sim";           ///< that arm; of a simulated one the truth is known
+  std::string hand = "reach";           ///< what moves a simulated one
+  bool real_time = false;               ///< reads a simulated arm on the machine's clock too
   std::uint64_t seed = 1;               ///< of its motion
-  double seconds = 20.0;                ///< of motion
-  double rate_Hz = 1000.0;              ///< of its reading
+  double seconds = 20.0;                ///< of reading
+  double rate_Hz = 1000.0;              ///< readings a second
   std::string arm{};                    ///< of recordings; empty: what they name
-  double reference_Hz = 25.0;           ///< bandwidth of the reference of recordings
+  double reference_Hz = 25.0;           ///< bandwidth of the reference where there is no truth
   std::vector<std::string> settings{};  ///< KEY=VALUE, keys as the stations' velocity.…
   bool print_config = false;            ///< only print the estimators' settings
   double mass_g = 0.0;                  ///< of the tool in the damping loop; 0: the arm's at home
@@ -28,8 +29,8 @@ struct VelocityOptions {
 /// worst error by speed, and the largest virtual damping that each allows.
 ///
 /// @returns 0, or 1 when gnuplot is absent or refuses: then everything but the pictures is there.
-/// @throws ConfigError, RecordingError: an option, a setting, a device or a recording cannot be
-/// used.
+/// @throws ConfigError, DeviceError, RecordingError: an option, a setting, a device or a recording
+/// cannot be used.
 [[nodiscard]] int run_velocity(const VelocityOptions& options);
 
 }  // namespace teleop

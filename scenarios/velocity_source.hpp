@@ -16,8 +16,8 @@ struct VelocitySource {
   bool has_period = false;  ///< the period counter was read throughout
 };
 
-/// The recordings, or the motion of a simulated arm when there are none.
-/// @throws ConfigError, RecordingError as run_velocity().
+/// The recordings, or an arm's readings when there are none.
+/// @throws ConfigError, DeviceError, RecordingError as run_velocity().
 [[nodiscard]] VelocitySource load_velocity_source(const VelocityOptions& options);
 
 }  // namespace teleop

@@ -11,26 +11,30 @@ void add_velocity(CLI::App& app, Action& action) {
   const auto options = std::make_shared<VelocityOptions>();
   CLI::App* verb = app.add_subcommand(
       "velocity", "velocity estimators side by side: noise, lag, error, the damping they allow");
-  verb->add_option("logs", options->logs,
-                   "recordings; without any a simulated motion, of which the truth is known");
-  verb->add_option("--device", options->device, "simulated arm that moves: sim[:PLANT]")
+  verb->add_option("logs", options->logs, "recordings; without any an arm is read, motors off");
+  verb->add_option("--device", options->device,
+                   "that arm: sim[:PLANT], of which the truth is known; move another by hand")
       ->capture_default_str();
-  verb->add_option("--hand", options->hand, "what moves it: reach, press or a trace file")
+  verb->add_option("--hand", options->hand,
+                   "what moves a simulated one: reach, press or a trace file")
       ->capture_default_str();
+  verb->add_flag("--real-time", options->real_time,
+                 "read a simulated arm on the machine's clock, with its jitter");
   verb->add_option("--seed", options->seed, "of that motion")->capture_default_str();
-  verb->add_option("--seconds", options->seconds, "of that motion")
-      ->check(CLI::Range(1.0, 3600.0))
+  verb->add_option("--seconds", options->seconds, "how long to read")
+      ->check(CLI::Range(1.0, 600.0))
       ->capture_default_str();
-  verb->add_option("--rate-Hz", options->rate_Hz, "readings a second of that motion")
+  verb->add_option("--rate-Hz", options->rate_Hz, "readings a second")
       ->check(CLI::Range(100.0, 10000.0))
       ->capture_default_str();
   verb->add_option("--arm", options->arm, "arm of the recordings; what they name when not given");
   verb->add_option("--reference-Hz", options->reference_Hz,
-                   "bandwidth of the zero-phase reference of recordings")
+                   "bandwidth of the zero-phase reference where there is no truth")
       ->check(CLI::Range(1.0, 200.0))
       ->capture_default_str();
   verb->add_option("--set", options->settings,
-                   "KEY=VALUE of an estimator, as for the stations: velocity.period.samples=8");
+                   "KEY=VALUE of an estimator, as for the stations: velocity.period.samples=8")
+      ->allow_extra_args(false);
   verb->add_flag("--print-config", options->print_config,
                  "print the estimators' settings and do nothing else");
   verb->add_option("--mass-g", options->mass_g,

@@ -17,6 +17,7 @@ void add_workspace(CLI::App& app, Action& action);
 void add_logs(CLI::App& app, Action& action);
 void add_velocity(CLI::App& app, Action& action);
 void add_reproduce(CLI::App& app, Action& action);
+void add_effects(CLI::App& app, Action& action);
 void add_bench(CLI::App& app, Action& action);
 
 }  // namespace teleop

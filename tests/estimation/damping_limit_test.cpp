@@ -174,6 +174,21 @@ TEST(DampingLimit,
   }
 }
 
+TEST(DampingLimit, IsTheLeastOfAllCrossingsNotTheLowest) {
+  // The phase is −180° at every 2π (m + 1/4) of ω (lag + T/2); a peak of 50 stands at the second.
+  constexpr double kLag_s = 8e-3;
+  constexpr double kMass_kg = 0.05;
+  const double second = 2.5 * std::numbers::pi / (kLag_s + kPeriod / 2.0);
+  const auto H = [&](double w) {
+    const double peak = 1.0 + 50.0 * std::exp(-std::pow((w - second) / 40.0, 2));
+    return peak * std::complex<double>{0.0, w} * std::polar(1.0, -w * kLag_s);
+  };
+  const auto found = damping_limit({.mass_kg = kMass_kg}, H, {});
+  ASSERT_TRUE(found.has_value());
+  EXPECT_NEAR(found->frequency_Hz * 2.0 * std::numbers::pi / second, 1.0, 0.01);
+  EXPECT_NEAR(found->damping_Ns_per_m / (kMass_kg * second / 51.0), 1.0, 0.1);
+}
+
 TEST(DampingLimit, IsAbsentWhereNothingDestabilises) {
   // An estimate that leads by a whole period: the loop's own hold is made up for.
   const auto leading = [](double w) {

@@ -106,6 +106,19 @@ TEST(WindowVelocity, ShortensToTheWindowThatAnAccelerationAllows) {
   EXPECT_NEAR(lag, static_cast<double>(estimator.window()[0]) * kPeriod / 2.0, 1e-6);
 }
 
+TEST(WindowVelocity, ShortensTheBestFitLess) {
+  // Least squares leave a n²Δt²/12 of a parabola at its ends.
+  constexpr double kAcceleration = 40.0;
+  WindowVelocity estimator{{.samples = 60, .best_fit = true}, kCounts};
+  for (int k = 0; k <= 500; ++k) {
+    const double t = k * kPeriod;
+    const double q = 0.5 * kAcceleration * t * t;
+    estimator.step({.q = JointVector::Constant(q), .dt = kPeriod});
+  }
+  const double n = std::floor(std::sqrt(12.0 * kQuantum / kAcceleration) / kPeriod);
+  EXPECT_NEAR(static_cast<double>(estimator.window()[0]), n, 1.0);
+}
+
 TEST(WindowVelocity, BestFitIsCalmerThanTheEndFit) {
   const auto ripple = [](bool best) {
     WindowVelocity estimator{{.best_fit = best}, kCounts};
