@@ -57,6 +57,7 @@ Knowledge look(Probes probes, double period_s) {
     }
   }
   double calmest = 0.0;
+  const ProbeResult* rated = nullptr;
   double not_safe = std::numeric_limits<double>::infinity();
   for (const ProbeResult& p : probes)
     if (p.outcome.swelled && p.plan.safe_gain > 0.0)
@@ -65,6 +66,8 @@ Knowledge look(Probes probes, double period_s) {
     const bool below = k.high == nullptr || p.plan.gain < k.high->plan.gain;
     if (!is_stable(p) || !below) continue;
     if (k.low == nullptr || p.plan.gain > k.low->plan.gain) k.low = &p;
+    const bool best_rated = rated == nullptr || p.plan.gain > rated->plan.gain;
+    if (has_rate(p) && best_rated) rated = &p;
     const bool well_below = k.high == nullptr || p.plan.gain < 0.6 * k.high->plan.gain;
     const double calm = calm_of(p, period_s);
     if (well_below && p.plan.gain < not_safe && calm > calmest) {
@@ -72,24 +75,38 @@ Knowledge look(Probes probes, double period_s) {
       k.safe_gain = p.plan.gain;
     }
   }
+  // Near the limit an oscillation shows; a rated gain a little lower tells more than a quiet one.
+  const bool trust = k.high != nullptr && rated != nullptr && !has_rate(*k.low) &&
+                     rated->plan.gain > 0.8 * k.high->plan.gain;
+  if (trust) k.low = rated;
   return k;
 }
 
-bool same_mode(const ProbeResult& a, const ProbeResult& b) {
-  const double fa = a.oscillation->frequency_Hz;
-  const double fb = b.oscillation->frequency_Hz;
+bool same_frequency(double fa, double fb) {
   return std::abs(fa - fb) < kSameFrequency * std::max(fa, fb);
 }
 
+bool same_mode(const ProbeResult& a, const ProbeResult& b) {
+  return same_frequency(a.oscillation->frequency_Hz, b.oscillation->frequency_Hz);
+}
+
+/// The oscillation of a probe that has about this frequency: another mode may die more slowly.
+const Oscillation* matching(const ProbeResult& p, double frequency_Hz) {
+  if (same_frequency(p.oscillation->frequency_Hz, frequency_Hz)) return &*p.oscillation;
+  for (const Oscillation& o : p.others)
+    if (o.is_rated() && same_frequency(o.frequency_Hz, frequency_Hz)) return &o;
+  return nullptr;
+}
+
 /// Rated probes near the smallest unstable gain, of the mode that grows there.
-std::vector<GrowthPoint> near_points(Probes probes, const ProbeResult& high) {
+std::vector<GrowthPoint> near_points(Probes probes, const ProbeResult& high, double centre) {
   std::vector<GrowthPoint> points;
   for (const ProbeResult& p : probes) {
-    if (!has_rate(p) || !same_mode(p, high)) continue;
-    if (std::abs(std::log(p.plan.gain / high.plan.gain)) > kNear) continue;
-    points.push_back({.gain = p.plan.gain,
-                      .growth_per_s = p.oscillation->growth_per_s,
-                      .std_per_s = p.oscillation->growth_std_per_s});
+    if (!has_rate(p) || std::abs(std::log(p.plan.gain / centre)) > kNear) continue;
+    const Oscillation* o = matching(p, high.oscillation->frequency_Hz);
+    if (o == nullptr) continue;
+    points.push_back(
+        {.gain = p.plan.gain, .growth_per_s = o->growth_per_s, .std_per_s = o->growth_std_per_s});
   }
   return points;
 }
@@ -288,7 +305,8 @@ MarginalSearch::Step MarginalSearch::next(Probes probes) const {
   std::vector<GrowthPoint> points;
   std::optional<Crossing> crossing;
   if (k.high != nullptr && has_rate(*k.high)) {
-    points = near_points(probes, *k.high);
+    const double low = k.low != nullptr ? k.low->plan.gain : k.high->plan.gain;
+    points = near_points(probes, *k.high, std::sqrt(low * k.high->plan.gain));
     if (on_both_sides(points)) crossing = find_crossing(points);
   }
   if (crossing && points.size() >= kFewestNear && crossing->relative_width() <= config_.width) {
