@@ -31,6 +31,18 @@ bool has_rate(const ProbeResult& p) {
   return rated && p.oscillation && p.oscillation->is_rated();
 }
 
+/// Whether the rate belongs to an oscillation of about amplitude A; smaller ones feel the rounding.
+bool is_at_amplitude(const ProbeResult& p) {
+  return has_rate(p) && p.oscillation->amplitude_here > 0.5 * p.plan.amplitude_m;
+}
+
+/// Growth beyond doubt: three deviations at amplitude A, or a motion that ran away.
+bool surely_grows(const ProbeResult& p) {
+  if (p.verdict != Verdict::grows) return false;
+  if (p.outcome.stop != ProbeStop::time && p.outcome.stop != ProbeStop::decayed) return true;
+  return is_at_amplitude(p) && p.oscillation->growth_per_s > 3.0 * p.oscillation->growth_std_per_s;
+}
+
 /// What is known from the probes so far.
 struct Knowledge {
   const ProbeResult* low = nullptr;   ///< largest stable gain below every unstable one
@@ -52,7 +64,7 @@ Knowledge look(Probes probes, double period_s) {
   for (const ProbeResult& p : probes) {
     k.arm_seconds += p.timing.arm_seconds;
     k.says_nothing = says_something(p) ? 0 : k.says_nothing + 1;
-    if (p.verdict == Verdict::grows && (k.high == nullptr || p.plan.gain < k.high->plan.gain)) {
+    if (surely_grows(p) && (k.high == nullptr || p.plan.gain < k.high->plan.gain)) {
       k.high = &p;
     }
   }
@@ -102,7 +114,7 @@ const Oscillation* matching(const ProbeResult& p, double frequency_Hz) {
 std::vector<GrowthPoint> near_points(Probes probes, const ProbeResult& high, double centre) {
   std::vector<GrowthPoint> points;
   for (const ProbeResult& p : probes) {
-    if (!has_rate(p) || std::abs(std::log(p.plan.gain / centre)) > kNear) continue;
+    if (!is_at_amplitude(p) || std::abs(std::log(p.plan.gain / centre)) > kNear) continue;
     const Oscillation* o = matching(p, high.oscillation->frequency_Hz);
     if (o == nullptr) continue;
     points.push_back(
