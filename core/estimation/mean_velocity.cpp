@@ -8,7 +8,7 @@ namespace teleop {
 
 MeanVelocity::MeanVelocity(const Config& config) {
   if (config.samples < 1 || config.samples > kMostSamples) {
-    throw ConfigError{"velocity estimate: mean.samples must be between 1 and 10000"};
+    throw ConfigError{"velocity estimate: mean.samples must be between 1 and 5000"};
   }
   ring_.resize(static_cast<std::size_t>(config.samples) + 1);
 }

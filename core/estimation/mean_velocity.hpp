@@ -34,7 +34,7 @@ class MeanVelocity {
     JointVector qd = JointVector::Zero();
   };
 
-  static constexpr int kMostSamples = 10'000;
+  static constexpr int kMostSamples = 5000;
 
   /// @throws ConfigError unless samples is 1 to kMostSamples.
   explicit MeanVelocity(const Config& config);

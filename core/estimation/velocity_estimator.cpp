@@ -7,7 +7,8 @@
 namespace teleop {
 namespace {
 
-constexpr std::array<std::string_view, 3> kKinds{"difference", "mean", "period"};
+constexpr std::array<std::string_view, 6> kKinds{
+    "difference", "mean", "period", "kalman", "adaptive_window", "robust_exact"};
 
 std::string kinds_text() {
   std::string text;
@@ -29,6 +30,9 @@ VelocityEstimator::Estimator VelocityEstimator::make(const Config& config,
   if (config.kind == "difference") return DifferenceVelocity{config.difference};
   if (config.kind == "mean") return MeanVelocity{config.mean};
   if (config.kind == "period") return PeriodVelocity{config.period, counts_per_rev};
+  if (config.kind == "kalman") return KalmanVelocity{config.kalman, counts_per_rev};
+  if (config.kind == "adaptive_window") return WindowVelocity{config.window, counts_per_rev};
+  if (config.kind == "robust_exact") return RobustVelocity{config.robust};
   throw ConfigError{"velocity estimate: no kind '" + config.kind + "'; there are " + kinds_text()};
 }
 
@@ -47,6 +51,9 @@ void add_settings(Settings& settings,
   add_settings(settings, prefix, config.difference);
   add_settings(settings, prefix + "mean.", config.mean);
   add_settings(settings, prefix + "period.", config.period);
+  add_settings(settings, prefix + "kalman.", config.kalman);
+  add_settings(settings, prefix + "adaptive_window.", config.window);
+  add_settings(settings, prefix + "robust_exact.", config.robust);
 }
 
 }  // namespace teleop

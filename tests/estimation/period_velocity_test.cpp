@@ -39,6 +39,21 @@ TEST(PeriodVelocity, MeetsASteadySpeedWithinTheCountersResolution) {
   }
 }
 
+TEST(PeriodVelocity, IsNotDisturbedByUnevenReading) {
+  WatchedEncoder encoder;
+  PeriodVelocity estimator{{}, kCounts};
+  Random random{12};
+  const double speed = 0.4;
+  double t = 0.0;
+  for (int k = 0; k < 500; ++k) {
+    t += kPeriod * random.uniform(0.05, 5.0);
+    const double estimate = estimator.step(encoder.read([&](double s) { return speed * s; }, t))[0];
+    if (k < 20) continue;
+    const double ticks = kQuantum / speed * 1e7;
+    EXPECT_NEAR(estimate, speed, 0.6 * speed / ticks) << k;
+  }
+}
+
 TEST(PeriodVelocity, MeasuresSpeedsThatOverflowTheCounter) {
   // Δ/6.55 ms = 0.0202 rad/s; below it the loop's clock is the counter.
   for (const double speed : {0.018, 0.01, -0.005, 0.002}) {
