@@ -19,8 +19,8 @@ struct PaperRow {
   double ours = 0.0;
   double low = 0.0;  ///< 90 % interval where a search gives one, else `ours`
   double high = 0.0;
-  std::string drive;  ///< the model of the drive
-  std::string note;   ///< what did not come to an end
+  std::string drive{};  ///< the model of the drive
+  std::string note{};   ///< what did not come to an end
 };
 
 [[nodiscard]] PaperRow do_experiment(PaperRowId row, const PaperSet& set, StockDrive stock);

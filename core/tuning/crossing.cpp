@@ -9,6 +9,8 @@
 namespace teleop {
 namespace {
 
+constexpr double kFloor = 5e-4;  ///< relative deviation that no number of probes gets below
+
 /// 95 % quantile of Student's t, so 90 % two-sided, by degrees of freedom from 1.
 double student_t(std::size_t freedom) {
   constexpr std::array<double, 10> kT{6.314, 2.920, 2.353, 2.132, 2.015,
@@ -90,7 +92,7 @@ std::optional<Crossing> find_crossing(std::span<const GrowthPoint> points) {
   fit = regress(points, zero, slope, scatter);
   const double t = student_t(points.size() - 2);
   if (fit.c[1] < t * std::sqrt(fit.covariance(1, 1))) return std::nullopt;
-  const double deviation = std::sqrt(fit.covariance(0, 0)) / fit.c[1];
+  const double deviation = std::hypot(std::sqrt(fit.covariance(0, 0)) / fit.c[1], kFloor);
   const double u = zero - fit.c[0] / fit.c[1];
   return Crossing{.gain = std::exp(u),
                   .low = std::exp(u - t * deviation),

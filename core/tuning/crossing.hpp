@@ -30,8 +30,10 @@ struct Crossing {
 /// The bend γ is held near zero by a prior of deviation β/2 (growth that is linear in the gain has
 /// γ = β/2). Beyond the deviations that the points claim they scatter, because rounding makes
 /// growth depend on where the counts fall; the scatter is the one that makes χ² equal its degrees
-/// of freedom [Mandel 1970, random effects]. The interval of u* takes Student's t. Absent with
-/// fewer than three points, or where the slope is not positive beyond its own deviation.
+/// of freedom [Mandel 1970, random effects]. The interval of u* takes Student's t and is
+/// never narrower than a deviation of 5e-4 gives: rounding shifts all probes of an arm alike.
+/// Absent with fewer than three points, or where the slope is not positive beyond its own
+/// deviation.
 [[nodiscard]] std::optional<Crossing> find_crossing(std::span<const GrowthPoint> points);
 
 }  // namespace teleop

@@ -31,11 +31,22 @@ bool has_rate(const ProbeResult& p) {
   return rated && p.oscillation && p.oscillation->is_rated();
 }
 
+/// Whether the rate belongs to an oscillation of about amplitude A; smaller ones feel the rounding.
+bool is_at_amplitude(const ProbeResult& p) {
+  return has_rate(p) && p.oscillation->amplitude_here > 0.5 * p.plan.amplitude_m;
+}
+
+/// Growth beyond doubt: three deviations at amplitude A, or a motion that ran away.
+bool surely_grows(const ProbeResult& p) {
+  if (p.verdict != Verdict::grows) return false;
+  if (p.outcome.stop != ProbeStop::time && p.outcome.stop != ProbeStop::decayed) return true;
+  return is_at_amplitude(p) && p.oscillation->growth_per_s > 3.0 * p.oscillation->growth_std_per_s;
+}
+
 /// What is known from the probes so far.
 struct Knowledge {
-  const ProbeResult* low = nullptr;      ///< largest stable gain below every unstable one
-  const ProbeResult* high = nullptr;     ///< smallest unstable gain
-  const ProbeResult* nearest = nullptr;  ///< rated, smallest |σ|
+  const ProbeResult* low = nullptr;   ///< largest stable gain below every unstable one
+  const ProbeResult* high = nullptr;  ///< smallest unstable gain
   double safe_gain = 0.0;
   double arm_seconds = 0.0;
   int says_nothing = 0;  ///< at the end of the list
@@ -53,22 +64,22 @@ Knowledge look(Probes probes, double period_s) {
   for (const ProbeResult& p : probes) {
     k.arm_seconds += p.timing.arm_seconds;
     k.says_nothing = says_something(p) ? 0 : k.says_nothing + 1;
-    if (p.verdict == Verdict::grows && (k.high == nullptr || p.plan.gain < k.high->plan.gain)) {
+    if (surely_grows(p) && (k.high == nullptr || p.plan.gain < k.high->plan.gain)) {
       k.high = &p;
     }
   }
   double calmest = 0.0;
+  const ProbeResult* rated = nullptr;
   double not_safe = std::numeric_limits<double>::infinity();
   for (const ProbeResult& p : probes)
-    if (p.outcome.fallbacks > 0 && p.plan.safe_gain > 0.0)
+    if (p.outcome.swelled && p.plan.safe_gain > 0.0)
       not_safe = std::min(not_safe, p.plan.safe_gain);
   for (const ProbeResult& p : probes) {
     const bool below = k.high == nullptr || p.plan.gain < k.high->plan.gain;
-    if (has_rate(p) && (k.nearest == nullptr || std::abs(p.oscillation->growth_per_s) <
-                                                    std::abs(k.nearest->oscillation->growth_per_s)))
-      k.nearest = &p;
     if (!is_stable(p) || !below) continue;
     if (k.low == nullptr || p.plan.gain > k.low->plan.gain) k.low = &p;
+    const bool best_rated = rated == nullptr || p.plan.gain > rated->plan.gain;
+    if (has_rate(p) && best_rated) rated = &p;
     const bool well_below = k.high == nullptr || p.plan.gain < 0.6 * k.high->plan.gain;
     const double calm = calm_of(p, period_s);
     if (well_below && p.plan.gain < not_safe && calm > calmest) {
@@ -76,24 +87,38 @@ Knowledge look(Probes probes, double period_s) {
       k.safe_gain = p.plan.gain;
     }
   }
+  // Near the limit an oscillation shows; a rated gain a little lower tells more than a quiet one.
+  const bool trust = k.high != nullptr && rated != nullptr && !has_rate(*k.low) &&
+                     rated->plan.gain > 0.8 * k.high->plan.gain;
+  if (trust) k.low = rated;
   return k;
 }
 
-bool same_mode(const ProbeResult& a, const ProbeResult& b) {
-  const double fa = a.oscillation->frequency_Hz;
-  const double fb = b.oscillation->frequency_Hz;
+bool same_frequency(double fa, double fb) {
   return std::abs(fa - fb) < kSameFrequency * std::max(fa, fb);
 }
 
-/// Rated probes of the mode that is next to marginal, near its crossing.
-std::vector<GrowthPoint> near_points(Probes probes, const ProbeResult& nearest) {
+bool same_mode(const ProbeResult& a, const ProbeResult& b) {
+  return same_frequency(a.oscillation->frequency_Hz, b.oscillation->frequency_Hz);
+}
+
+/// The oscillation of a probe that has about this frequency: another mode may die more slowly.
+const Oscillation* matching(const ProbeResult& p, double frequency_Hz) {
+  if (same_frequency(p.oscillation->frequency_Hz, frequency_Hz)) return &*p.oscillation;
+  for (const Oscillation& o : p.others)
+    if (o.is_rated() && same_frequency(o.frequency_Hz, frequency_Hz)) return &o;
+  return nullptr;
+}
+
+/// Rated probes near the smallest unstable gain, of the mode that grows there.
+std::vector<GrowthPoint> near_points(Probes probes, const ProbeResult& high, double centre) {
   std::vector<GrowthPoint> points;
   for (const ProbeResult& p : probes) {
-    if (!has_rate(p) || !same_mode(p, nearest)) continue;
-    if (std::abs(std::log(p.plan.gain / nearest.plan.gain)) > kNear) continue;
-    points.push_back({.gain = p.plan.gain,
-                      .growth_per_s = p.oscillation->growth_per_s,
-                      .std_per_s = p.oscillation->growth_std_per_s});
+    if (!is_at_amplitude(p) || std::abs(std::log(p.plan.gain / centre)) > kNear) continue;
+    const Oscillation* o = matching(p, high.oscillation->frequency_Hz);
+    if (o == nullptr) continue;
+    points.push_back(
+        {.gain = p.plan.gain, .growth_per_s = o->growth_per_s, .std_per_s = o->growth_std_per_s});
   }
   return points;
 }
@@ -179,11 +204,11 @@ ProbePlan plan_for(const MarginalSearch::Config& c,
   const ProbeResult* last = nullptr;
   const ProbeResult* oscillating = nullptr;
   for (const ProbeResult& p : probes) {
-    if (p.outcome.watch_ticks > 0) last = &p;
+    last = &p;
     if (has_rate(p)) oscillating = &p;
   }
   ProbePlan plan{.gain = wish.gain, .safe_gain = k.safe_gain, .memory_s = c.memory_s};
-  plan.amplitude_m = room_for(c, k.nearest != nullptr ? k.nearest : oscillating);
+  plan.amplitude_m = room_for(c, k.high != nullptr && has_rate(*k.high) ? k.high : oscillating);
   double push_s = kFirstPush_s;
   double watch_s = 0.4 + 2.0 * c.memory_s;
   if (oscillating != nullptr) {
@@ -201,7 +226,11 @@ ProbePlan plan_for(const MarginalSearch::Config& c,
         has_rate(*last) ? last->oscillation->amplitude_start : last->outcome.peak_swing_m;
     const double swing = std::max(seen, c.quantum_m);
     const double impulse = std::abs(last->plan.push_N) * last->plan.push_ticks;
-    push = impulse * std::clamp(start_m / swing, 0.1, 10.0) / plan.push_ticks;
+    // What moved by a few counts says little about how far to go.
+    const double most = swing > 3.0 * c.quantum_m ? 3.0 : 10.0;
+    const bool too_strong = last->verdict == Verdict::overshot;
+    const double factor = std::clamp(start_m / swing, 0.1, too_strong ? 0.3 : most);
+    push = impulse * factor / plan.push_ticks;
   }
   push = std::clamp(push, kSmallestPush_N, 0.7 * c.bounds.force_N);
   plan.push_N = probes.size() % 2 == 0 ? push : -push;
@@ -246,11 +275,11 @@ double bracketed_gain(const Knowledge& k) {
 /// Where to look next around a crossing: side, distance and length of the watch.
 Wish refined(const MarginalSearch::Config& c,
              const std::vector<GrowthPoint>& points,
-             const ProbeResult& nearest,
+             const ProbeResult& high,
              double zero,
              double slope) {
-  const double period = 1.0 / nearest.oscillation->frequency_Hz;
-  const double amplitude = room_for(c, &nearest);
+  const double period = 1.0 / high.oscillation->frequency_Hz;
+  const double amplitude = room_for(c, &high);
   const double noise = c.quantum_m / std::sqrt(12.0);
   // Cramér–Rao: std(σ) = √24 noise/A √T / watch^{3/2}; one probe alone should give half the width.
   const double wanted = 0.5 * c.width * slope;
@@ -287,8 +316,9 @@ MarginalSearch::Step MarginalSearch::next(Probes probes) const {
 
   std::vector<GrowthPoint> points;
   std::optional<Crossing> crossing;
-  if (k.nearest != nullptr && k.high != nullptr) {
-    points = near_points(probes, *k.nearest);
+  if (k.high != nullptr && has_rate(*k.high)) {
+    const double low = k.low != nullptr ? k.low->plan.gain : k.high->plan.gain;
+    points = near_points(probes, *k.high, std::sqrt(low * k.high->plan.gain));
     if (on_both_sides(points)) crossing = find_crossing(points);
   }
   if (crossing && points.size() >= kFewestNear && crossing->relative_width() <= config_.width) {
@@ -308,7 +338,7 @@ MarginalSearch::Step MarginalSearch::next(Probes probes) const {
     return ask({.gain = gain, .start_m = config_.amplitude_m});
   }
   if (crossing) {
-    return ask(refined(config_, points, *k.nearest, crossing->gain, crossing->slope_per_s));
+    return ask(refined(config_, points, *k.high, crossing->gain, crossing->slope_per_s));
   }
   const double ratio = k.high->plan.gain / k.low->plan.gain;
   const std::optional<double> zero = secant(k.low, k.high);
@@ -319,7 +349,7 @@ MarginalSearch::Step MarginalSearch::next(Probes probes) const {
   if (ratio < kWorthBracketing && zero && same_mode(*k.low, *k.high)) {
     const double slope =
         (k.high->oscillation->growth_per_s - k.low->oscillation->growth_per_s) / std::log(ratio);
-    return ask(refined(config_, points, *k.nearest, *zero, slope));
+    return ask(refined(config_, points, *k.high, *zero, slope));
   }
   return ask({.gain = bracketed_gain(k), .start_m = config_.amplitude_m});
 }

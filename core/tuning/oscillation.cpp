@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <Eigen/Dense>
 
@@ -187,8 +188,8 @@ struct Place {
   std::size_t mode = 0;
 };
 
-/// Of the modes that oscillate and stand out, the one that grows most.
-Place dominant(const Fit& fit, double noise_std, double half_span_s) {
+/// The modes that oscillate and stand out, the one that grows most first.
+std::vector<Place> standing_out(const Fit& fit, double noise_std, double half_span_s) {
   double largest_of_all = 0.0;
   const auto largest_at = [&](Eigen::Index at) {
     return std::hypot(fit.p[at + 2], fit.p[at + 3]) * std::exp(std::abs(fit.p[at]) * half_span_s);
@@ -199,7 +200,7 @@ Place dominant(const Fit& fit, double noise_std, double half_span_s) {
     if (turns) largest_of_all = std::max(largest_of_all, largest_at(at));
     at += turns ? 4 : 2;
   }
-  Place best;
+  std::vector<Place> places;
   at = 2;
   for (std::size_t i = 0; i < fit.model.modes.size(); ++i) {
     const bool turns = fit.model.modes[i].omega_rad_per_s > 0.0;
@@ -211,11 +212,13 @@ Place dominant(const Fit& fit, double noise_std, double half_span_s) {
           middle > kSignificant * deviation &&
           largest_at(at) > std::max(kSmallest * noise_std, kShare * largest_of_all) &&
           fit.p[at + 1] > 0.0;
-      if (stands && (best.at < 0 || fit.p[at] > fit.p[best.at])) best = {.at = at, .mode = i};
+      if (stands) places.push_back({.at = at, .mode = i});
     }
     at += turns ? 4 : 2;
   }
-  return best;
+  std::sort(places.begin(), places.end(),
+            [&](const Place& a, const Place& b) { return fit.p[a.at] > fit.p[b.at]; });
+  return places;
 }
 
 /// The same modes with number `first` in front.
@@ -274,19 +277,24 @@ Oscillation describe(const Fit& fit, Eigen::Index at, double half_span_s, double
 
 }  // namespace
 
-std::optional<Oscillation> fit_oscillation(const Record& record,
-                                           double noise_std,
-                                           double amplitude_wanted) {
-  if (record.y.size() < kFewestSamples) return std::nullopt;
+std::vector<Oscillation> fit_oscillations(const Record& record,
+                                          double noise_std,
+                                          double amplitude_wanted) {
+  if (record.y.size() < kFewestSamples) return {};
   const double span_s = record.t_s.back() - record.t_s.front();
   const double dt_s = span_s / static_cast<double>(record.y.size() - 1);
   Model model{.modes = worth_fitting(find_modes(record.y, dt_s, noise_std), dt_s, span_s)};
-  if (model.modes.empty()) return std::nullopt;
+  if (model.modes.empty()) return {};
   const double middle_s = 0.5 * (record.t_s.front() + record.t_s.back());
   std::optional<Fit> fit = refine(model, start(model, record, middle_s), record, noise_std);
-  if (!fit) return std::nullopt;
-  const Place place = dominant(*fit, noise_std, 0.5 * span_s);
-  if (place.at < 0) return std::nullopt;
+  if (!fit) return {};
+  const std::vector<Place> places = standing_out(*fit, noise_std, 0.5 * span_s);
+  if (places.empty()) return {};
+  std::vector<Oscillation> found;
+  found.reserve(places.size());
+  for (const Place& one : places)
+    found.push_back(describe(*fit, one.at, 0.5 * span_s, amplitude_wanted));
+  const Place& place = places.front();
 
   const Model bent = bent_at(model, place.mode);
   Eigen::VectorXd p(bent.size());
@@ -301,10 +309,10 @@ std::optional<Oscillation> fit_oscillation(const Record& record,
     const Eigen::Index last = bent.size() - 1;
     const double deviation = std::sqrt(std::max(curved->covariance(last, last), 0.0));
     if (std::abs(curved->p[last]) > 3.0 * deviation) {
-      return describe(*curved, 2, 0.5 * span_s, amplitude_wanted);
+      found.front() = describe(*curved, 2, 0.5 * span_s, amplitude_wanted);
     }
   }
-  return describe(*fit, place.at, 0.5 * span_s, amplitude_wanted);
+  return found;
 }
 
 Phasor phasor_of(const Record& record, const Mode& mode) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,8 +13,7 @@ struct Record {
   std::span<const double> y;
 };
 
-/// The dominant oscillation of a record: of those that stand out of the noise, the one that dies
-/// slowest or grows fastest.
+/// One oscillation in a record.
 struct Oscillation {
   double growth_per_s = 0.0;      ///< σ at `amplitude_here`
   double growth_std_per_s = 0.0;  ///< one standard deviation
@@ -34,7 +32,8 @@ struct Oscillation {
   }
 };
 
-/// Fits, by least squares over all parameters together,
+/// All that stand out of the noise, the one that dies slowest or grows fastest first: the dominant
+/// one. Fits, by least squares over all parameters together,
 ///
 ///     y(t) = Σ_i A_i e^{σ_i τ + ½ ρ_i τ²} cos(ω_i τ + φ_i) + c_0 + c_1 τ + noise,
 ///
@@ -44,11 +43,11 @@ struct Oscillation {
 /// at which the envelope has `amplitude_wanted` (inside the middle half of the record). Variances
 /// come from the residual, its correlation from one sample to the next included.
 ///
-/// Absent when no oscillation stands out, or the record is too short for one (12 samples).
+/// Empty when no oscillation stands out, or the record is too short for one (12 samples).
 /// Thread: any; it allocates, so not for a loop.
-[[nodiscard]] std::optional<Oscillation> fit_oscillation(const Record& record,
-                                                         double noise_std,
-                                                         double amplitude_wanted);
+[[nodiscard]] std::vector<Oscillation> fit_oscillations(const Record& record,
+                                                        double noise_std,
+                                                        double amplitude_wanted);
 
 /// Amplitude and phase of another channel in a known oscillation, by linear least squares over the
 /// same record: y ≈ e^{σ τ} (a cos ω τ + b sin ω τ) + c_0 + c_1 τ, τ from the record's middle.

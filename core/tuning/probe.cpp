@@ -61,12 +61,17 @@ void Probe::go(Phase next) noexcept {
   on_level_ = 0;
   small_for_ = 0;
   if (next == Phase::push) return;  // the window goes on
-  const double window_s = next == Phase::watch ? plan_.period_s : kRest_s;
+  const double window_s = next == Phase::watch ? plan_.period_s : rest_window_s();
   const double ticks = window_s / config_.period_s;
   stride_ = std::max(1, static_cast<int>(std::ceil(ticks / static_cast<double>(kWindow))));
   since_kept_ = 0;
   newest_ = 0;
   filled_ = 0;
+}
+
+/// A turning point is no rest: the window covers a period.
+double Probe::rest_window_s() const noexcept {
+  return std::clamp(plan_.period_s, kRest_s, kLongestRest_s);
 }
 
 /// Half the peak to peak of the tool that moves most, over the last `window` positions kept.
@@ -138,6 +143,7 @@ void Probe::fall_back() noexcept {
   // A bound stays broken for a while after the gain has changed.
   const bool is_new = on_level_ * config_.period_s < kRest_s;
   if (is_new || outcome_.fallbacks == 2) return;
+  outcome_.swelled = true;
   ++outcome_.fallbacks;
   on_level_ = 0;
 }
@@ -168,7 +174,7 @@ bool Probe::is_near() const noexcept {
 
 bool Probe::rests() noexcept {
   const auto window = static_cast<std::size_t>(
-      std::min(kRest_s / config_.period_s / stride_, static_cast<double>(kWindow)));
+      std::min(rest_window_s() / config_.period_s / stride_, static_cast<double>(kWindow)));
   if (filled_ < window) return false;
   outcome_.rest_peak_m = amplitude(window);
   double quantum = 0.0;
@@ -202,7 +208,9 @@ void Probe::advance(const LoopUnderTest::Turn& turn) noexcept {
   const double in_phase_s = in_phase_ * config_.period_s;
   const bool calms = phase_ == Phase::settle || phase_ == Phase::recover;
   const bool swells = calms && amplitude(kWindow) > 2.0 * plan_.ceiling_m;
-  if (swells || (calms && on_level_ * config_.period_s > kPatience_s)) fall_back();
+  if (swells) fall_back();
+  const bool lasts = calms && outcome_.fallbacks == 0 && in_phase_s > kPatience_s;
+  if (lasts) outcome_.fallbacks = 1;
   switch (phase_) {
     case Phase::settle:
       if (rests() && is_near()) {

@@ -58,9 +58,10 @@ struct ProbePlan {
 /// What the loop itself knows of a probe; the rest is for the analysis of its trace.
 struct ProbeOutcome {
   ProbeStop stop = ProbeStop::time;
-  bool rests = false;  ///< at the end, verified
-  int fallbacks = 0;   ///< 1: it took zero gain to come to rest; 2: and no weak loop either
-  int ticks = 0;       ///< of the whole probe
+  bool rests = false;    ///< at the end, verified
+  int fallbacks = 0;     ///< 1: it took zero gain to come to rest; 2: and no weak loop either
+  bool swelled = false;  ///< because the motion grew under the safe gain
+  int ticks = 0;         ///< of the whole probe
   int watch_ticks = 0;
   double peak_swing_m = 0.0;  ///< largest amplitude during the watch
   int ticks_to_safe = 0;     ///< from the reading that broke a bound to the safe gain's first force
@@ -83,8 +84,8 @@ struct ProbeTrace {
 ///
 ///     settle → push → watch → recover → done
 ///
-/// Should the motion not die under the safe gain, within kPatience_s or the bounds, the gain
-/// becomes zero, and then the weak loop on the axis is left out as well.
+/// Should the motion swell under the safe gain, or not die within kPatience_s, the gain becomes
+/// zero; should it swell then, the weak loop on the axis is left out as well.
 ///
 /// Every tick looks at the bounds first: the tick whose reading breaks one already computes its
 /// force with the safe gain. At rest: for kRest_s no tool moved along the axis by more than three
@@ -118,7 +119,8 @@ class Probe {
   [[nodiscard]] const ProbeBounds& bounds() const noexcept { return config_.bounds; }
 
   static constexpr double kRest_s = 0.06;
-  static constexpr double kPatience_s = 1.5;
+  static constexpr double kLongestRest_s = 0.25;
+  static constexpr double kPatience_s = 3.0;
 
  private:
   enum class Phase : std::uint8_t { settle, push, watch, recover, done };
@@ -132,6 +134,7 @@ class Probe {
   void advance(const LoopUnderTest::Turn& turn) noexcept;
   void advance_watch(const LoopUnderTest::Turn& turn) noexcept;
   void fall_back() noexcept;
+  [[nodiscard]] double rest_window_s() const noexcept;
   [[nodiscard]] LoopUnderTest::Command command() const noexcept;
   [[nodiscard]] double amplitude(std::size_t window) const noexcept;
   [[nodiscard]] bool rests() noexcept;

@@ -89,10 +89,10 @@ Mode mode_of(const Oscillation& o) {
           .omega_rad_per_s = 2.0 * std::numbers::pi * o.frequency_Hz};
 }
 
-std::optional<Oscillation> oscillation_of(const Channels& c,
-                                          const Analysis& how,
-                                          double amplitude_m,
-                                          std::vector<ShapeEntry>& shape) {
+void find_oscillations(const Channels& c,
+                       const Analysis& how,
+                       double amplitude_m,
+                       ProbeResult& result) {
   const bool pair = how.experiment == Experiment::teleop;
   const std::size_t arms = pair ? 2 : 1;
   std::vector<double> signal = c.d[0][how.axis];
@@ -102,19 +102,21 @@ std::optional<Oscillation> oscillation_of(const Channels& c,
   }
   const double noise = how.quantum_m * std::sqrt((pair ? 2.0 : 1.0) / 12.0);
   const Record record{.t_s = c.t_s, .y = signal};
-  std::optional<Oscillation> o = fit_oscillation(record, noise, amplitude_m);
-  if (!o) return o;
+  std::vector<Oscillation> found = fit_oscillations(record, noise, amplitude_m);
+  if (found.empty()) return;
   double lever = 1.0;
   if (pair) {
-    lever = leverage(c, signal, how, arms, mode_of(*o));
-    o = fit_oscillation(record, noise, amplitude_m / lever);
-    if (!o) return o;
+    lever = leverage(c, signal, how, arms, mode_of(found.front()));
+    found = fit_oscillations(record, noise, amplitude_m / lever);
+    if (found.empty()) return;
   }
-  o->amplitude_start *= lever;
-  o->amplitude_end *= lever;
-  o->amplitude_here *= lever;
-  shape = shape_of(c, arms, mode_of(*o));
-  return o;
+  Oscillation& o = found.front();
+  o.amplitude_start *= lever;
+  o.amplitude_end *= lever;
+  o.amplitude_here *= lever;
+  result.oscillation = o;
+  result.others.assign(found.begin() + 1, found.end());
+  result.shape = shape_of(c, arms, mode_of(o));
 }
 
 /// How often a motion turned back by more than two counts.
@@ -181,7 +183,7 @@ ProbeResult analyse(const Analysis& how,
   ProbeResult result{.plan = plan, .outcome = outcome, .timing = timing};
   const std::size_t arms = how.experiment == Experiment::teleop ? 2 : 1;
   const Channels c = channels_of(trace, arms, plan, how.period_s);
-  if (!c.t_s.empty()) result.oscillation = oscillation_of(c, how, plan.amplitude_m, result.shape);
+  if (!c.t_s.empty()) find_oscillations(c, how, plan.amplitude_m, result);
   const int turned_back = turns_back(c.d[0][how.axis], how.quantum_m);
   result.verdict = judge(result, how.quantum_m, turned_back);
   return result;

@@ -39,6 +39,7 @@ struct ProbeResult {
   ProbeRunner::Timing timing{};
   Verdict verdict = Verdict::quiet;
   std::optional<Oscillation> oscillation{};  ///< amplitudes of the tool that moves most, m
+  std::vector<Oscillation> others{};  ///< that stood out beside it, in the units of the signal
   std::vector<ShapeEntry> shape{};
 };
 
