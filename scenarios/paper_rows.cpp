@@ -133,6 +133,7 @@ double pressed_wall(const PaperSet& set, double lag_s) {
   const double mass = tool_masses(phantom())[1];
   double stiffness = 2000.0;
   double friction = 0.0;
+  constexpr double kSettled = 1e-7;
   for (int i = 0; i < 60; ++i) {
     const auto margin =
         nyquist_margin({.arms = {{.mass_kg = mass,
@@ -144,7 +145,9 @@ double pressed_wall(const PaperSet& set, double lag_s) {
     // Describing function of Coulomb friction in an oscillation of that amplitude [Gelb 1968].
     const double omega = 2.0 * std::numbers::pi * margin->frequency_Hz;
     friction = 4.0 * set[PaperSet::coulomb] / (std::numbers::pi * amplitude * omega);
-    stiffness = std::sqrt(stiffness * margin->gain);
+    const double change = margin->gain / stiffness - 1.0;
+    stiffness *= 1.0 + 0.85 * change;  // the friction answers weakly and the other way
+    if (std::abs(change) < kSettled) break;
   }
   return stiffness;
 }

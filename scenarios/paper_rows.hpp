@@ -41,6 +41,11 @@ struct PaperRowText {
 /// where no analysis is needed because nothing of the set enters.
 [[nodiscard]] std::optional<double> analysed(PaperRowId row, const PaperSet& set);
 
+/// Whether analysed() has an answer.
+[[nodiscard]] constexpr bool has_analysis(PaperRowId row) noexcept {
+  return row != PaperRowId::velocity_granularity && row != PaperRowId::velocity_lag;
+}
+
 /// Casing over ambient after ten minutes of 2 N along −y at home, K.
 [[nodiscard]] double casing_rise(const PaperSet& set, bool pwm);
 

@@ -72,7 +72,7 @@ PaperSet declared_paper_set() {
      {"copper", 0.0039, "1/K", "physical constant of copper", {}, 0.0039, 0.0039});
   is(PaperSet::winding_to_housing, {"winding_to_housing", 3.1, "K/W", kMotor, {}, 2.5, 5.5});
   is(PaperSet::housing_to_ambient, {"housing_to_ambient",
-                                    4.0,
+                                    2.05,
                                     "K/W",
                                     "the motor's mount carries heat away",
                                     {"heat_linear"},

@@ -49,7 +49,7 @@ void print_parameters(const PaperSet& set) {
   fmt::print("\nWhat was assumed, and by how many percent a row moves with one percent of it\n");
   fmt::print("{:<19} {:>9} {:<8}", "parameter", "value", "unit");
   for (const PaperRowId row : kPaperRows) {
-    if (analysed(row, set)) fmt::print(" {:>15}", text_of(row).id);
+    if (has_analysis(row)) fmt::print(" {:>15}", text_of(row).id);
   }
   fmt::print("  source\n");
   for (std::size_t i = 0; i < PaperSet::count; ++i) {
@@ -57,7 +57,7 @@ void print_parameters(const PaperSet& set) {
     const PaperParameter& parameter = set.parameters.at(i);
     fmt::print("{:<19} {:>9.4g} {:<8}", parameter.name, parameter.value, parameter.unit);
     for (const PaperRowId row : kPaperRows) {
-      if (!analysed(row, set)) continue;
+      if (!has_analysis(row)) continue;
       const double by = sensitivity(row, set, index);
       fmt::print(" {:>15}", std::abs(by) < 0.005 ? "·" : fmt::format("{:+.2f}", by));
     }
@@ -107,7 +107,7 @@ std::string status_of(PaperRowId row, double ours, const PaperSet& set) {
 }
 
 double sensitivity(PaperRowId row, const PaperSet& set, PaperSet::Index parameter) {
-  if (!analysed(row, set)) return 0.0;
+  if (!has_analysis(row)) return 0.0;
   constexpr double kStep = 0.02;
   const PaperParameter& middle = set.parameters.at(parameter);
   const auto with = [&](double value) {
