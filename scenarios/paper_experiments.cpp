@@ -154,10 +154,11 @@ PaperRow damping(PaperRowId id, const PaperSet& set, const Make& make) {
 PointResult worst_loop_gain(const PlantSpec& plant, std::size_t axes) {
   PointResult worst;
   for (std::size_t axis = 0; axis < axes; ++axis) {
-    PointResult result = search_on(plant, {.experiment = Experiment::teleop, .axis = axis});
+    PointResult result =
+        search_on(plant, {.experiment = Experiment::teleop, .axis = axis, .amplitude_m = 1e-3});
     const bool less =
         result.crossing && (!worst.crossing || result.crossing->gain < worst.crossing->gain);
-    if (less) worst = std::move(result);
+    if (less || axis == 0) worst = std::move(result);
   }
   return worst;
 }
@@ -167,7 +168,7 @@ PaperRow loop_gain(const PaperSet& set, const Make& linear, const Make& stock, s
   const PointResult low = worst_loop_gain(plant_of(set, stock), axes);
   PaperRow row{.id = PaperRowId::loop_gain_ratio, .drive = drive_name(stock)};
   if (!high.crossing || !low.crossing) {
-    row.note = "no margin found";
+    row.note = fmt::format("no margin found: {}, {}", name_of(high.end), name_of(low.end));
     return row;
   }
   row.ours = high.crossing->gain / low.crossing->gain;

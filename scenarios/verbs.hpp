@@ -19,5 +19,6 @@ void add_velocity(CLI::App& app, Action& action);
 void add_reproduce(CLI::App& app, Action& action);
 void add_effects(CLI::App& app, Action& action);
 void add_bench(CLI::App& app, Action& action);
+void add_tune(CLI::App& app, Action& action);
 
 }  // namespace teleop
