@@ -17,9 +17,21 @@ namespace {
 
 constexpr double kAgrees = 0.10;
 
-std::vector<PaperRow> table(const PaperSet& set, StockDrive drive, bool quick) {
+std::vector<PaperRowId> wanted_rows(const std::vector<std::string>& ids) {
+  std::vector<PaperRowId> rows;
+  for (const PaperRowId row : kPaperRows) {
+    if (ids.empty() || std::find(ids.begin(), ids.end(), text_of(row).id) != ids.end()) {
+      rows.push_back(row);
+    }
+  }
+  return rows;
+}
+
+std::vector<PaperRow> table(const std::vector<PaperRowId>& wanted,
+                            const PaperSet& set,
+                            bool quick) {
   std::vector<PaperRow> rows;
-  for (const PaperRowId id : kPaperRows) {
+  for (const PaperRowId id : wanted) {
     const std::optional<double> value = analysed(id, set);
     if (quick && value) {
       rows.push_back(
@@ -27,7 +39,7 @@ std::vector<PaperRow> table(const PaperSet& set, StockDrive drive, bool quick) {
       continue;
     }
     fmt::print(stderr, "{} …\n", text_of(id).id);
-    rows.push_back(do_experiment(id, set, drive));
+    rows.push_back(do_experiment(id, set, StockDrive::lag));
   }
   return rows;
 }
@@ -124,7 +136,8 @@ double sensitivity(PaperRowId row, const PaperSet& set, PaperSet::Index paramete
 
 int run_reproduce(const ReproduceOptions& options) {
   const PaperSet set = options.fit ? fit_paper_set(declared_paper_set()) : declared_paper_set();
-  const std::vector<PaperRow> each = table(set, StockDrive::lag, options.quick);
+  const std::vector<PaperRowId> wanted = wanted_rows(options.rows);
+  const std::vector<PaperRow> each = table(wanted, set, options.quick);
   print_table("Each row with the drive model that it needs", each, set);
 
   std::vector<PaperRow> one;
@@ -139,9 +152,13 @@ int run_reproduce(const ReproduceOptions& options) {
       row = do_experiment(row.id, set, StockDrive::voltage);
     }
     print_table("The stock drive as one thing throughout: the PWM voltage that heats", one, set);
-    fmt::print(stderr, "loop gain with the structure of the x axis …\n");
-    structure = {structural_loop_gain(set)};
-    print_table("The loop-gain ratio once more, with the flexible x axis", structure, set);
+    const bool gains =
+        std::find(wanted.begin(), wanted.end(), PaperRowId::loop_gain_ratio) != wanted.end();
+    if (gains) {
+      fmt::print(stderr, "loop gain with the structure of the x axis …\n");
+      structure = {structural_loop_gain(set)};
+      print_table("The loop-gain ratio once more, with the flexible x axis", structure, set);
+    }
   }
   print_parameters(set);
   fmt::print("\nThe workspace map is drawn by: teleop workspace\n");

@@ -1,15 +1,17 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "scenarios/paper_rows.hpp"
 
 namespace teleop {
 
 struct ReproduceOptions {
-  bool fit = false;    ///< search the declared set within its bounds first
-  bool quick = false;  ///< analysis instead of experiments
-  std::string json{};  ///< file for the numbers; empty: none
+  bool fit = false;                 ///< search the declared set within its bounds first
+  bool quick = false;               ///< analysis instead of experiments
+  std::vector<std::string> rows{};  ///< ids of those that are wanted; empty: all
+  std::string json{};               ///< file for the numbers; empty: none
 };
 
 /// What a row may be called: "fitted" when its target chose a parameter, "predicted" when none did
