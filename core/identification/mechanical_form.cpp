@@ -1,0 +1,257 @@
+#include "core/identification/mechanical_form.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include <Eigen/QR>
+
+#include "core/base/contract.hpp"
+
+namespace teleop {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+constexpr double kPerSecond = 1e3;      ///< speeds in m/ms, so that entries of A T are of one size
+constexpr double kNormal95 = 1.6449;    ///< 90 % of a normal variable lie within ± this
+constexpr double kChiSquare99 = 6.635;  ///< of one degree of freedom
+constexpr double kTrustInStart = 0.03;  ///< starting values lie on a grid: not exact to the noise
+constexpr double kLargestLogarithm = 60;  ///< keeps e^θ finite while the solver gropes
+
+struct Start {
+  double misfit = 0.0;
+  MechanicalParameters parameters;
+};
+
+/// The sampled response of 1/((s − p)(s − p*)) behind a hold.
+Complex held_mode(Complex pole, Complex z, double period_s) {
+  const auto held = [&](Complex p) {
+    const Complex step = std::exp(p * period_s);
+    return (step - 1.0) / (p * (z - step));
+  };
+  return (held(pole) - held(std::conj(pole))) / (pole - std::conj(pole));
+}
+
+/// 1/M, m2/(M m1) and 1/k_t by linear least squares for one pole of the mode.
+std::optional<Start> start_at(MechanicalForm form,
+                              const MeasuredResponse& data,
+                              const Sampling& sampling,
+                              Complex pole) {
+  const Eigen::Index lines = data.value.size();
+  const Eigen::Index unknowns = form == MechanicalForm::a ? 2 : 3;
+  const double T = sampling.period_s;
+  Eigen::MatrixXcd columns{lines, unknowns};
+  Eigen::VectorXcd right{lines};
+  for (Eigen::Index i = 0; i < lines; ++i) {
+    const Complex s{0.0, kTwoPi * data.frequency_Hz(i)};
+    const Complex z = std::exp(s * T);
+    const Complex late =
+        std::exp(-s * (T * sampling.delay_samples)) / (1.0 + s * sampling.amplifier_lag_s);
+    columns(i, 0) = 0.5 * T * T * (z + 1.0) / ((z - 1.0) * (z - 1.0));
+    columns(i, 1) = held_mode(pole, z, T);
+    if (unknowns == 3) columns(i, 2) = 1.0 / z;
+    const double trust = data.deviation(i) + kTrustInStart * std::abs(data.value(i));
+    columns.row(i) *= late / trust;
+    right(i) = data.value(i) / trust;
+  }
+  Eigen::MatrixXd A{2 * lines, unknowns};
+  A << columns.real(), columns.imag();
+  Eigen::VectorXd y{2 * lines};
+  y << right.real(), right.imag();
+  const Eigen::VectorXd x = A.colPivHouseholderQr().solve(y);
+  if (!(x.minCoeff() > 0.0)) return std::nullopt;
+
+  const double mass = 1.0 / x(0);
+  const double m1 = mass / (1.0 + x(1) / x(0));
+  const double reduced = m1 * (mass - m1) / mass;
+  return Start{.misfit = (A * x - y).squaredNorm(),
+               .parameters = {.m1_kg = m1,
+                              .m2_kg = mass - m1,
+                              .k_N_per_m = reduced * std::norm(pole),
+                              .b_Ns_per_m = -2.0 * pole.real() * reduced,
+                              .k_t_N_per_m = unknowns == 3 ? 1.0 / x(2) : 0.0}};
+}
+
+/// The best of the grid, one a natural frequency, best first.
+std::vector<Start> starts(MechanicalForm form,
+                          const MeasuredResponse& data,
+                          const Sampling& sampling) {
+  constexpr int kFrequencies = 200;
+  const double low = data.frequency_Hz.minCoeff();
+  const double ratio = 1.5 * data.frequency_Hz.maxCoeff() / low;
+  std::vector<Start> found;
+  for (int i = 0; i < kFrequencies; ++i) {
+    const double natural = kTwoPi * low * std::pow(ratio, (i + 0.5) / kFrequencies);
+    std::optional<Start> best;
+    for (const double damping_ratio : {0.01, 0.03, 0.1, 0.3, 0.8}) {
+      const Complex pole = std::polar(natural, std::acos(-damping_ratio));
+      const auto start = start_at(form, data, sampling, pole);
+      if (start && (!best || start->misfit < best->misfit)) best = start;
+    }
+    if (best) found.push_back(*best);
+  }
+  std::sort(found.begin(), found.end(),
+            [](const Start& a, const Start& b) { return a.misfit < b.misfit; });
+  if (found.size() > 3) found.resize(3);
+  if (!found.empty()) return found;
+  // No mode to be seen: a rigid mass of which a tenth sits on a spring beyond the last line.
+  const Eigen::Index first = 0;
+  const double omega = kTwoPi * data.frequency_Hz(first);
+  const double mass = 1.0 / (omega * omega * std::abs(data.value(first)));
+  const double far = kTwoPi * 1.5 * data.frequency_Hz.maxCoeff();
+  return {{.parameters = {.m1_kg = 0.9 * mass,
+                          .m2_kg = 0.1 * mass,
+                          .k_N_per_m = 0.09 * mass * far * far,
+                          .b_Ns_per_m = 0.02 * mass * far,
+                          .k_t_N_per_m = mass * far * far}}};
+}
+
+Estimate estimate(std::string_view name, std::string_view unit, double theta, double variance) {
+  const double value = std::exp(theta);
+  const double deviation = std::sqrt(variance);
+  return {.name = name,
+          .unit = unit,
+          .value = value,
+          .deviation = value * deviation,
+          .low = value * std::exp(-kNormal95 * deviation),
+          .high = value * std::exp(kNormal95 * deviation)};
+}
+
+std::vector<Estimate> estimates(const MechanicalFamily& family, const ResponseFit& fit) {
+  struct Name {
+    std::string_view name;
+    std::string_view unit;
+  };
+  std::vector<Name> names{{"m1", "kg"}, {"m2", "kg"}, {"k", "N/m"}, {"b", "N s/m"}};
+  if (family.form == MechanicalForm::b) names.push_back({"k_t", "N/m"});
+  if (family.has_ground_damper) names.push_back({"b_0", "N s/m"});
+  std::vector<Estimate> result;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    result.push_back(estimate(names[i].name, names[i].unit, fit.theta(at), fit.covariance(at, at)));
+  }
+  return result;
+}
+
+/// The best fit from several starting values.
+ResponseFit best_fit(const MechanicalFamily& family,
+                     const std::vector<MechanicalParameters>& from,
+                     const MeasuredResponse& data,
+                     const Sampling& sampling) {
+  std::optional<ResponseFit> best;
+  for (const MechanicalParameters& start : from) {
+    ResponseFit fit = fit_response(family, family.pack(start), data, sampling);
+    if (!best || fit.cost < best->cost) best = std::move(fit);
+  }
+  return *best;
+}
+
+}  // namespace
+
+Linearised MechanicalFamily::operator()(const Eigen::VectorXd& theta) const {
+  const MechanicalParameters p = unpack(theta);
+  // Forces between and on the masses, as rows of accelerations of (x1, v1, x2, v2), v in m/ms.
+  const LinearModel zero{.A = Eigen::MatrixXd::Zero(4, 4),
+                         .B = Eigen::VectorXd::Zero(4),
+                         .C = Eigen::RowVectorXd::Zero(4),
+                         .D = 0.0};
+  LinearModel spring = zero;
+  LinearModel damper = zero;
+  LinearModel ground = zero;
+  LinearModel tendon = zero;
+  const double k_N_per_m = p.k_N_per_m / kPerSecond;
+  spring.A.row(1) << -k_N_per_m, 0.0, k_N_per_m, 0.0;
+  damper.A.row(1) << 0.0, -p.b_Ns_per_m, 0.0, p.b_Ns_per_m;
+  for (LinearModel* pair : {&spring, &damper}) {
+    pair->A.row(3) = -pair->A.row(1) / p.m2_kg;
+    pair->A.row(1) /= p.m1_kg;
+  }
+  ground.A(1, 1) = -p.b_0_Ns_per_m / p.m1_kg;
+  if (form == MechanicalForm::b) tendon.D = 1.0 / p.k_t_N_per_m;
+
+  Linearised system{.model = zero, .derivatives = {zero, zero, spring, damper}};
+  LinearModel& model = system.model;
+  model.A = spring.A + damper.A + ground.A;
+  model.A(0, 1) = kPerSecond;
+  model.A(2, 3) = kPerSecond;
+  model.B(1) = 1.0 / (p.m1_kg * kPerSecond);
+  model.C(0) = 1.0;
+  model.D = tendon.D;
+  // ∂/∂ln m: the accelerations of that mass go as 1/m.
+  system.derivatives[0].A.row(1) = -model.A.row(1);
+  system.derivatives[0].B = -model.B;
+  system.derivatives[1].A.row(3) = -model.A.row(3);
+  if (form == MechanicalForm::b) {
+    tendon.D = -tendon.D;
+    system.derivatives.push_back(tendon);
+  }
+  if (has_ground_damper) system.derivatives.push_back(ground);
+  return system;
+}
+
+Eigen::VectorXd MechanicalFamily::pack(const MechanicalParameters& p) const {
+  std::vector<double> values{p.m1_kg, p.m2_kg, p.k_N_per_m, p.b_Ns_per_m};
+  if (form == MechanicalForm::b) values.push_back(p.k_t_N_per_m);
+  if (has_ground_damper) values.push_back(p.b_0_Ns_per_m);
+  return Eigen::Map<Eigen::ArrayXd>{values.data(), static_cast<Eigen::Index>(values.size())}.log();
+}
+
+MechanicalParameters MechanicalFamily::unpack(const Eigen::VectorXd& theta) const {
+  const Eigen::VectorXd values = theta.array().max(-kLargestLogarithm).min(kLargestLogarithm).exp();
+  Eigen::Index next = 4;
+  MechanicalParameters p{
+      .m1_kg = values(0), .m2_kg = values(1), .k_N_per_m = values(2), .b_Ns_per_m = values(3)};
+  if (form == MechanicalForm::b) p.k_t_N_per_m = values(next++);
+  if (has_ground_damper) p.b_0_Ns_per_m = values(next);
+  return p;
+}
+
+TransferFunction transfer_function(MechanicalForm form, const MechanicalParameters& p) {
+  expects(p.b_0_Ns_per_m == 0.0, "free to move");
+  const double mass = p.m1_kg + p.m2_kg;
+  TransferFunction P{
+      .numerator = Eigen::Vector3d{p.m2_kg, p.b_Ns_per_m, p.k_N_per_m},
+      .denominator = Eigen::Vector3d{p.m1_kg * p.m2_kg, mass * p.b_Ns_per_m, mass * p.k_N_per_m}};
+  if (form == MechanicalForm::a) return P;
+  Eigen::VectorXd numerator = Eigen::VectorXd::Zero(5);
+  numerator.head(3) = P.denominator;
+  numerator.tail(3) += p.k_t_N_per_m * P.numerator;
+  P.numerator = numerator;
+  P.denominator *= p.k_t_N_per_m;
+  return P;
+}
+
+MechanicalFit fit_mechanical(MechanicalForm form,
+                             const MeasuredResponse& data,
+                             const Sampling& sampling) {
+  MechanicalFit result{.family = {.form = form}, .parameters = {}, .estimates = {}, .fit = {}};
+  std::vector<MechanicalParameters> from;
+  for (const Start& start : starts(form, data, sampling)) {
+    from.push_back(start.parameters);
+  }
+  result.fit = best_fit(result.family, from, data, sampling);
+
+  const MechanicalFamily damped{.form = form, .has_ground_damper = true};
+  std::vector<MechanicalParameters> from_damped;
+  for (const double b_0 : {0.03, 0.3, 3.0}) {
+    for (MechanicalParameters start : {result.family.unpack(result.fit.theta), from.front()}) {
+      start.b_0_Ns_per_m = b_0;
+      from_damped.push_back(start);
+    }
+  }
+  const ResponseFit other = best_fit(damped, from_damped, data, sampling);
+  const double widening = std::max(1.0, other.error);
+  if (result.fit.cost - other.cost > kChiSquare99 * widening * widening) {
+    result.family = damped;
+    result.fit = other;
+  }
+  result.parameters = result.family.unpack(result.fit.theta);
+  result.estimates = estimates(result.family, result.fit);
+  return result;
+}
+
+}  // namespace teleop
