@@ -147,6 +147,11 @@ Excited at_excited(const LineGrid& grid, const std::vector<Spectra>& records) {
   return result;
 }
 
+/// The most that rounding to encoder counts puts at a line of one kind: its power is count²/12.
+double rounding_power(const RecordInfo& info, std::size_t samples) {
+  return 2.0 * info.count_m * info.count_m / (3.0 * static_cast<double>(samples));
+}
+
 }  // namespace
 
 MeasuredResponse measured(const FrequencyResponse& response) {
@@ -165,7 +170,7 @@ MeasuredResponse measured(const FrequencyResponse& response) {
 
 FrequencyResponse estimate_multisine(const LineGrid& grid,
                                      std::span<const PeriodicRecord> records,
-                                     double rate_Hz) {
+                                     const RecordInfo& info) {
   expects(records.size() >= 2, "two realisations at least");
   const std::size_t last =
       std::max({grid.excited.back(), grid.odd_left_out.back(), grid.even_left_out.back()});
@@ -177,11 +182,14 @@ FrequencyResponse estimate_multisine(const LineGrid& grid,
   const Excited excited = at_excited(grid, all);
   const Eigen::VectorXd between = smoothed(excited.between, kNeighbours);
   const Eigen::VectorXd in_period = smoothed(excited.in_period, kNeighbours);
-  const LeftOut odd = left_out(grid.odd_left_out, grid, all, excited.gain);
-  const LeftOut even = left_out(grid.even_left_out, grid, all, excited.gain);
+  LeftOut odd = left_out(grid.odd_left_out, grid, all, excited.gain);
+  LeftOut even = left_out(grid.even_left_out, grid, all, excited.gain);
+  const double rounding = rounding_power(info, grid.samples);
+  odd.power.array() -= rounding;
+  even.power.array() -= rounding;
 
   FrequencyResponse result;
-  const double resolution_Hz = rate_Hz / static_cast<double>(grid.samples);
+  const double resolution_Hz = info.rate_Hz / static_cast<double>(grid.samples);
   for (std::size_t i = 0; i < grid.excited.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(i);
     const double response = excited.response(at);
@@ -204,7 +212,7 @@ FrequencyResponse estimate_multisine(const LineGrid& grid,
 ResponseLine estimate_sine(const PeriodicRecord& record,
                            std::size_t line,
                            std::size_t carrier,
-                           double rate_Hz) {
+                           const RecordInfo& info) {
   constexpr std::size_t kReach = 12;
   const auto samples = static_cast<std::size_t>(record.reference_N.size());
   const std::size_t last = std::min(5 * line + kReach, samples / 2 - 1);
@@ -224,11 +232,12 @@ ResponseLine estimate_sine(const PeriodicRecord& record,
   double odd = 0.0;
   double even = 0.0;
   for (std::size_t harmonic = 2; harmonic <= 5 && harmonic * line <= last; ++harmonic) {
-    (harmonic % 2 == 0 ? even : odd) += std::norm(s.mean_Y(harmonic * line));
+    const double power = std::norm(s.mean_Y(harmonic * line)) - rounding_power(info, samples);
+    (harmonic % 2 == 0 ? even : odd) += std::max(0.0, power);
   }
   const double variance = std::max(around / count, period_variance(s, line, gain) / s.periods());
   const double response = std::norm(s.mean_Y(line));
-  return {.f_Hz = rate_Hz / static_cast<double>(samples) * static_cast<double>(line),
+  return {.f_Hz = info.rate_Hz / static_cast<double>(samples) * static_cast<double>(line),
           .gain = gain,
           .deviation = std::sqrt(variance) / std::abs(s.mean_U(line)),
           .coherence = response / (response + variance * s.periods()),

@@ -35,8 +35,13 @@ struct FrequencyResponse {
   bool distorted = false;   ///< beyond kDistorted: the arm is not linear at this amplitude
 };
 
-/// A linear arm with an encoder shows about 0.2 %, all of it rounding.
-inline constexpr double kDistorted = 0.01;
+inline constexpr double kDistorted = 0.005;
+
+/// How the records were taken.
+struct RecordInfo {
+  double rate_Hz = 0.0;
+  double count_m = 0.0;  ///< one encoder count along the axis
+};
 
 [[nodiscard]] MeasuredResponse measured(const FrequencyResponse& response);
 
@@ -52,13 +57,13 @@ inline constexpr double kDistorted = 0.01;
 /// @pre two records of two periods each at least.
 [[nodiscard]] FrequencyResponse estimate_multisine(const LineGrid& grid,
                                                    std::span<const PeriodicRecord> records,
-                                                   double rate_Hz);
+                                                   const RecordInfo& info);
 
 /// One line from a sine, beside which a slow `carrier` may move the encoder over its counts. The
 /// variance comes from what stands at the lines around it, distortion from its harmonics 2 to 5.
 [[nodiscard]] ResponseLine estimate_sine(const PeriodicRecord& record,
                                          std::size_t line,
                                          std::size_t carrier,
-                                         double rate_Hz);
+                                         const RecordInfo& info);
 
 }  // namespace teleop

@@ -36,11 +36,24 @@ Complex held_mode(Complex pole, Complex z, double period_s) {
   return (held(pole) - held(std::conj(pole))) / (pole - std::conj(pole));
 }
 
-/// 1/M, m2/(M m1) and 1/k_t by linear least squares for one pole of the mode.
+/// The sampled response of 1/(s (s + c)) behind a hold, of 1/s² for c = 0.
+Complex held_rigid(double c, Complex z, double period_s) {
+  if (c == 0.0) return 0.5 * period_s * period_s * (z + 1.0) / ((z - 1.0) * (z - 1.0));
+  const double step = std::exp(-c * period_s);
+  return (period_s / (z - 1.0) - (1.0 - step) / (c * (z - step))) / c;
+}
+
+/// The poles that a starting value assumes.
+struct Poles {
+  double rigid_per_s = 0.0;  ///< b_0/M
+  Complex mode;
+};
+
+/// 1/M, m2/(M m1) and 1/k_t by linear least squares for assumed poles.
 std::optional<Start> start_at(MechanicalForm form,
                               const MeasuredResponse& data,
                               const Sampling& sampling,
-                              Complex pole) {
+                              const Poles& poles) {
   const Eigen::Index lines = data.value.size();
   const Eigen::Index unknowns = form == MechanicalForm::a ? 2 : 3;
   const double T = sampling.period_s;
@@ -51,8 +64,8 @@ std::optional<Start> start_at(MechanicalForm form,
     const Complex z = std::exp(s * T);
     const Complex late =
         std::exp(-s * (T * sampling.delay_samples)) / (1.0 + s * sampling.amplifier_lag_s);
-    columns(i, 0) = 0.5 * T * T * (z + 1.0) / ((z - 1.0) * (z - 1.0));
-    columns(i, 1) = held_mode(pole, z, T);
+    columns(i, 0) = held_rigid(poles.rigid_per_s, z, T);
+    columns(i, 1) = held_mode(poles.mode, z, T);
     if (unknowns == 3) columns(i, 2) = 1.0 / z;
     const double trust = data.deviation(i) + kTrustInStart * std::abs(data.value(i));
     columns.row(i) *= late / trust;
@@ -71,16 +84,19 @@ std::optional<Start> start_at(MechanicalForm form,
   return Start{.misfit = (A * x - y).squaredNorm(),
                .parameters = {.m1_kg = m1,
                               .m2_kg = mass - m1,
-                              .k_N_per_m = reduced * std::norm(pole),
-                              .b_Ns_per_m = -2.0 * pole.real() * reduced,
-                              .k_t_N_per_m = unknowns == 3 ? 1.0 / x(2) : 0.0}};
+                              .k_N_per_m = reduced * std::norm(poles.mode),
+                              .b_Ns_per_m = -2.0 * poles.mode.real() * reduced,
+                              .k_t_N_per_m = unknowns == 3 ? 1.0 / x(2) : 0.0,
+                              .b_0_Ns_per_m = poles.rigid_per_s * mass}};
 }
 
 /// The best of the grid, one a natural frequency, best first.
-std::vector<Start> starts(MechanicalForm form,
-                          const MeasuredResponse& data,
-                          const Sampling& sampling) {
+std::vector<MechanicalParameters> starts(const MechanicalFamily& family,
+                                         const MeasuredResponse& data,
+                                         const Sampling& sampling) {
   constexpr int kFrequencies = 200;
+  const std::vector<double> rigid =
+      family.has_ground_damper ? std::vector{1.0, 5.0, 20.0, 80.0} : std::vector{0.0};
   const double low = data.frequency_Hz.minCoeff();
   const double ratio = 1.5 * data.frequency_Hz.maxCoeff() / low;
   std::vector<Start> found;
@@ -88,26 +104,32 @@ std::vector<Start> starts(MechanicalForm form,
     const double natural = kTwoPi * low * std::pow(ratio, (i + 0.5) / kFrequencies);
     std::optional<Start> best;
     for (const double damping_ratio : {0.01, 0.03, 0.1, 0.3, 0.8}) {
-      const Complex pole = std::polar(natural, std::acos(-damping_ratio));
-      const auto start = start_at(form, data, sampling, pole);
-      if (start && (!best || start->misfit < best->misfit)) best = start;
+      const Complex mode = std::polar(natural, std::acos(-damping_ratio));
+      for (const double rigid_per_s : rigid) {
+        const auto start =
+            start_at(family.form, data, sampling, {.rigid_per_s = rigid_per_s, .mode = mode});
+        if (start && (!best || start->misfit < best->misfit)) best = start;
+      }
     }
     if (best) found.push_back(*best);
   }
   std::sort(found.begin(), found.end(),
             [](const Start& a, const Start& b) { return a.misfit < b.misfit; });
-  if (found.size() > 3) found.resize(3);
-  if (!found.empty()) return found;
+  std::vector<MechanicalParameters> result;
+  for (std::size_t i = 0; i < std::min<std::size_t>(3, found.size()); ++i) {
+    result.push_back(found[i].parameters);
+  }
+  if (!result.empty()) return result;
   // No mode to be seen: a rigid mass of which a tenth sits on a spring beyond the last line.
-  const Eigen::Index first = 0;
-  const double omega = kTwoPi * data.frequency_Hz(first);
-  const double mass = 1.0 / (omega * omega * std::abs(data.value(first)));
+  const double omega = kTwoPi * data.frequency_Hz(0);
+  const double mass = 1.0 / (omega * omega * std::abs(data.value(0)));
   const double far = kTwoPi * 1.5 * data.frequency_Hz.maxCoeff();
-  return {{.parameters = {.m1_kg = 0.9 * mass,
-                          .m2_kg = 0.1 * mass,
-                          .k_N_per_m = 0.09 * mass * far * far,
-                          .b_Ns_per_m = 0.02 * mass * far,
-                          .k_t_N_per_m = mass * far * far}}};
+  return {{.m1_kg = 0.9 * mass,
+           .m2_kg = 0.1 * mass,
+           .k_N_per_m = 0.09 * mass * far * far,
+           .b_Ns_per_m = 0.02 * mass * far,
+           .k_t_N_per_m = mass * far * far,
+           .b_0_Ns_per_m = mass}};
 }
 
 Estimate estimate(std::string_view name, std::string_view unit, double theta, double variance) {
@@ -229,21 +251,13 @@ MechanicalFit fit_mechanical(MechanicalForm form,
                              const MeasuredResponse& data,
                              const Sampling& sampling) {
   MechanicalFit result{.family = {.form = form}, .parameters = {}, .estimates = {}, .fit = {}};
-  std::vector<MechanicalParameters> from;
-  for (const Start& start : starts(form, data, sampling)) {
-    from.push_back(start.parameters);
-  }
-  result.fit = best_fit(result.family, from, data, sampling);
+  result.fit = best_fit(result.family, starts(result.family, data, sampling), data, sampling);
 
   const MechanicalFamily damped{.form = form, .has_ground_damper = true};
-  std::vector<MechanicalParameters> from_damped;
-  for (const double b_0 : {0.03, 0.3, 3.0}) {
-    for (MechanicalParameters start : {result.family.unpack(result.fit.theta), from.front()}) {
-      start.b_0_Ns_per_m = b_0;
-      from_damped.push_back(start);
-    }
-  }
-  const ResponseFit other = best_fit(damped, from_damped, data, sampling);
+  std::vector<MechanicalParameters> from = starts(damped, data, sampling);
+  from.push_back(result.family.unpack(result.fit.theta));
+  from.back().b_0_Ns_per_m = 0.1;
+  const ResponseFit other = best_fit(damped, from, data, sampling);
   const double widening = std::max(1.0, other.error);
   if (result.fit.cost - other.cost > kChiSquare99 * widening * widening) {
     result.family = damped;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/base/contract.hpp"
 #include "core/model/kinematics.hpp"
@@ -9,7 +10,7 @@
 namespace teleop {
 namespace {
 
-constexpr double kFadeIn_s = 0.3;
+constexpr double kCrossing_s = 0.8;  ///< from one reference to the next
 constexpr double kSettle_s = 1.5;
 constexpr double kWatch_s = 0.2;
 constexpr double kFade_s = 0.3;
@@ -150,10 +151,17 @@ Vector3 PeriodicDrive::hold(double dt) noexcept {
 
 double PeriodicDrive::play() noexcept {
   if (just_missed_ > 0) skip();
-  const Eigen::VectorXd& reference = segments_[segment_].reference_N;
-  const double fade_in =
-      std::min(1.0, static_cast<double>(in_phase_) / static_cast<double>(samples_of(kFadeIn_s)));
-  return fade_in * reference(static_cast<Eigen::Index>(in_segment_) % reference.size());
+  // A soft passage from the reference before, or a jump in speed would throw the arm off its place.
+  const auto crossing = static_cast<double>(samples_of(kCrossing_s));
+  const double share = std::min(1.0, static_cast<double>(in_segment_) / crossing);
+  const double now = 0.5 - 0.5 * std::cos(std::numbers::pi * share);
+  const double before = segment_ == 0 ? 0.0 : sample(segment_ - 1);
+  return now * sample(segment_) + (1.0 - now) * before;
+}
+
+double PeriodicDrive::sample(std::size_t segment) const noexcept {
+  const Eigen::VectorXd& reference = segments_[segment].reference_N;
+  return reference(static_cast<Eigen::Index>(in_segment_) % reference.size());
 }
 
 void PeriodicDrive::skip() noexcept {

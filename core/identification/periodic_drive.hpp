@@ -54,7 +54,7 @@ class PeriodicDrive {
     double centring_s = 1.5;
     double max_force_N = 3.0;
     double max_travel_m = 0.005;  ///< from where it began, every axis
-    double max_speed_m_per_s = 0.5;
+    double max_speed_m_per_s = 1.0;
   };
 
   struct Segment {
@@ -103,6 +103,7 @@ class PeriodicDrive {
   void brake(DriveEnd why) noexcept;
   [[nodiscard]] bool must_end() const noexcept;
   [[nodiscard]] double play() noexcept;
+  [[nodiscard]] double sample(std::size_t segment) const noexcept;
   void skip() noexcept;
   void keep(double force_N) noexcept;
   [[nodiscard]] Vector3 hold(double dt) noexcept;

@@ -1,10 +1,10 @@
 #include "core/identification/response_experiment.hpp"
 
-#include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -14,33 +14,9 @@
 namespace teleop {
 namespace {
 
-using Complex = std::complex<double>;
-
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr double kLightest_kg = 0.02;  ///< the pilot spares the travel of such a tool
-constexpr double kPilotShare = 0.3;    ///< of the limits
-constexpr double kForceShare = 0.8;    ///< of the limit
-constexpr double kTravelShare = 0.7;   ///< of the limit
-constexpr std::size_t kPilotPeriods = 2;
-constexpr double kSettle_s = 2.0;        ///< the holding loop forgets the start by e⁻¹⁰ or so
-constexpr double kCarrierCounts = 20.0;  ///< amplitude of the slow sine beside a small one
-constexpr double kSmallCounts = 4.0;     ///< amplitudes below this need it
-
-/// Position and force for a unit of reference, at each excited line.
-struct Answer {
-  Eigen::VectorXd position_m;
-  Eigen::VectorXd force_N;
-};
-
-using Amplitudes = std::vector<Complex>;
-
-std::size_t samples_of(const ResponseExperiment& experiment) {
-  return static_cast<std::size_t>(std::lround(experiment.rate_Hz * experiment.period_s));
-}
-
-std::size_t settle_periods(const ResponseExperiment& experiment) {
-  return static_cast<std::size_t>(std::ceil(kSettle_s / experiment.period_s));
-}
+constexpr Effort kPilot{.share = 0.35};
+constexpr Effort kRehearsal{.share = 0.5};
 
 void check(const ResponseExperiment& e) {
   const auto refuse = [](const std::string& what) {
@@ -67,65 +43,6 @@ void check(const ResponseExperiment& e) {
   }
 }
 
-LineGrid grid_of(const ResponseExperiment& experiment, Random& random) {
-  const auto line = [&](double f_Hz) {
-    return static_cast<std::size_t>(std::lround(f_Hz * experiment.period_s));
-  };
-  return odd_random_grid(samples_of(experiment), line(experiment.low_Hz), line(experiment.high_Hz),
-                         random);
-}
-
-Eigen::VectorXcd random_phases(std::size_t count, Random& random) {
-  Eigen::VectorXcd phases{static_cast<Eigen::Index>(count)};
-  for (Complex& phase : phases) {
-    phase = std::polar(1.0, random.uniform(0.0, kTwoPi));
-  }
-  return phases;
-}
-
-double peak(const LineGrid& grid, const Eigen::VectorXcd& spectrum) {
-  return periodic_signal(grid.samples, grid.excited,
-                         {spectrum.data(), static_cast<std::size_t>(spectrum.size())})
-      .cwiseAbs()
-      .maxCoeff();
-}
-
-/// Line amplitudes min(A_f/|force|, A_y/|position|), with A_f and A_y as large as the limits bear
-/// for every one of the phases.
-Eigen::VectorXd amplitudes(const LineGrid& grid,
-                           const Answer& answer,
-                           const std::vector<Eigen::VectorXcd>& phases,
-                           double max_force_N,
-                           double max_travel_m) {
-  constexpr int kRounds = 12;
-  double A_f = max_force_N;
-  double A_y = max_travel_m;
-  Eigen::VectorXd result;
-  for (int round = 0; round < kRounds; ++round) {
-    result = (A_f * answer.force_N.cwiseInverse()).cwiseMin(A_y * answer.position_m.cwiseInverse());
-    double force = 0.0;
-    double travel = 0.0;
-    for (const Eigen::VectorXcd& phase : phases) {
-      force = std::max(force, peak(grid, result.cwiseProduct(answer.force_N).asDiagonal() * phase));
-      travel =
-          std::max(travel, peak(grid, result.cwiseProduct(answer.position_m).asDiagonal() * phase));
-    }
-    const double too_much = std::max(force / max_force_N, travel / max_travel_m);
-    if (round + 1 == kRounds) return result / std::max(1.0, too_much);
-    A_f *= std::clamp(max_force_N / force, 0.5, 1.5);
-    A_y *= std::clamp(max_travel_m / travel, 0.5, 1.5);
-  }
-  return result;
-}
-
-Eigen::VectorXd reference(const LineGrid& grid,
-                          const Eigen::VectorXd& amplitude,
-                          const Eigen::VectorXcd& phases) {
-  const Eigen::VectorXcd spectrum = amplitude.cast<Complex>().cwiseProduct(phases);
-  return periodic_signal(grid.samples, grid.excited,
-                         {spectrum.data(), static_cast<std::size_t>(spectrum.size())});
-}
-
 PeriodicDrive::Config drive_config(const ResponseExperiment& experiment) {
   return {.axis = experiment.axis,
           .rate_Hz = experiment.rate_Hz,
@@ -145,107 +62,17 @@ PeriodicDrive run(const ResponseExperiment& experiment,
   return drive;
 }
 
-PeriodicDrive::Segment pilot_segment(const ResponseExperiment& experiment,
-                                     const LineGrid& grid,
-                                     Random& random) {
-  const auto count = static_cast<Eigen::Index>(grid.excited.size());
-  Answer light{.position_m = Eigen::VectorXd{count}, .force_N = Eigen::VectorXd::Ones(count)};
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const double omega = kTwoPi / experiment.period_s *
-                         static_cast<double>(grid.excited[static_cast<std::size_t>(i)]);
-    light.position_m(i) = 1.0 / (kLightest_kg * omega * omega);
-  }
-  const std::vector<Eigen::VectorXcd> phases{random_phases(grid.excited.size(), random)};
-  const Eigen::VectorXd size = amplitudes(grid, light, phases, kPilotShare * experiment.max_force_N,
-                                          kPilotShare * experiment.max_travel_m);
-  return {.reference_N = reference(grid, size, phases.front()),
-          .settle_periods = settle_periods(experiment),
-          .periods = kPilotPeriods};
-}
-
-Answer answer_of(const LineGrid& grid, const PeriodicRecord& record) {
-  const auto count = static_cast<Eigen::Index>(grid.excited.size());
-  const Eigen::VectorXcd R = line_spectrum(record.reference_N, grid.excited.back());
-  const Eigen::VectorXcd U = line_spectrum(record.force_N.rowwise().mean(), grid.excited.back());
-  const Eigen::VectorXcd Y = line_spectrum(record.position_m.rowwise().mean(), grid.excited.back());
-  Answer answer{.position_m = Eigen::VectorXd{count}, .force_N = Eigen::VectorXd{count}};
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const auto line = static_cast<Eigen::Index>(grid.excited[static_cast<std::size_t>(i)]);
-    answer.position_m(i) = std::max(std::abs(Y(line) / R(line)), 1e-12);
-    answer.force_N(i) = std::max(std::abs(U(line) / R(line)), 1e-3);
-  }
-  return answer;
-}
-
-std::vector<PeriodicDrive::Segment> multisine_segments(const ResponseExperiment& experiment,
-                                                       const LineGrid& grid,
-                                                       const Answer& answer,
-                                                       Random& random) {
-  std::vector<Eigen::VectorXcd> phases;
-  for (int i = 0; i < experiment.realisations; ++i) {
-    phases.push_back(random_phases(grid.excited.size(), random));
-  }
-  const Eigen::VectorXd size =
-      amplitudes(grid, answer, phases, kForceShare * experiment.max_force_N,
-                 kTravelShare * experiment.max_travel_m);
-  std::vector<PeriodicDrive::Segment> segments;
-  for (const Eigen::VectorXcd& phase : phases) {
-    segments.push_back({.reference_N = reference(grid, size, phase),
-                        .settle_periods = settle_periods(experiment),
-                        .periods = static_cast<std::size_t>(experiment.periods)});
-  }
-  return segments;
-}
-
-/// Indices into grid.excited, about evenly spaced over ln f.
-std::vector<std::size_t> stepped_lines(const ResponseExperiment& experiment, const LineGrid& grid) {
-  std::vector<std::size_t> chosen;
-  const auto low = static_cast<double>(grid.excited.front());
-  const double ratio = static_cast<double>(grid.excited.back()) / low;
-  for (int i = 0; i < experiment.lines; ++i) {
-    const double line = low * std::pow(ratio, i / (experiment.lines - 1.0));
-    const auto at = std::lower_bound(grid.excited.begin(), grid.excited.end(),
-                                     static_cast<std::size_t>(std::lround(line)));
-    const auto index =
-        static_cast<std::size_t>(std::min(at, grid.excited.end() - 1) - grid.excited.begin());
-    if (chosen.empty() || chosen.back() != index) chosen.push_back(index);
-  }
-  return chosen;
-}
-
-std::vector<PeriodicDrive::Segment> stepped_segments(const ResponseExperiment& experiment,
-                                                     const LineGrid& grid,
-                                                     const Answer& answer,
-                                                     double quantum_m) {
-  std::vector<PeriodicDrive::Segment> segments;
-  for (const std::size_t index : stepped_lines(experiment, grid)) {
-    const auto at = static_cast<Eigen::Index>(index);
-    const double carrier = kCarrierCounts * quantum_m / answer.position_m(0);
-    const double carrier_force = carrier * answer.force_N(0);
-    const double room = kForceShare * experiment.max_force_N - carrier_force;
-    const double size =
-        std::min(std::max(room, 0.1 * experiment.max_force_N) / answer.force_N(at),
-                 0.5 * kTravelShare * experiment.max_travel_m / answer.position_m(at));
-    const bool small = size * answer.position_m(at) < kSmallCounts * quantum_m;
-    const std::array<std::size_t, 2> lines{grid.excited[index], grid.excited.front()};
-    const std::array<Complex, 2> amplitude{size, small ? carrier : 0.0};
-    segments.push_back({.reference_N = periodic_signal(grid.samples, lines, amplitude),
-                        .settle_periods = settle_periods(experiment),
-                        .periods = static_cast<std::size_t>(experiment.periods)});
-  }
-  return segments;
-}
-
 FrequencyResponse stepped_response(const ResponseExperiment& experiment,
                                    const LineGrid& grid,
-                                   const std::vector<PeriodicRecord>& records) {
+                                   const std::vector<PeriodicRecord>& records,
+                                   const RecordInfo& info) {
   FrequencyResponse response;
   const std::vector<std::size_t> lines = stepped_lines(experiment, grid);
   double spurious = 0.0;
   for (std::size_t i = 0; i < records.size(); ++i) {
     if (records[i].force_N.cols() < 2) continue;
-    response.lines.push_back(estimate_sine(records[i], grid.excited[lines[i]], grid.excited.front(),
-                                           experiment.rate_Hz));
+    response.lines.push_back(
+        estimate_sine(records[i], grid.excited[lines[i]], grid.excited.front(), info));
     spurious = std::max(spurious, response.lines.back().distortion);
   }
   response.distortion = spurious;
@@ -253,8 +80,8 @@ FrequencyResponse stepped_response(const ResponseExperiment& experiment,
   return response;
 }
 
-/// Metres along the axis for one encoder count, the smallest of the joints that move it.
-double quantum(const ArmInfo& info, const ArmModel& model, const JointVector& q, std::size_t axis) {
+/// Metres along the axis for one encoder count of every joint that moves it.
+double count(const ArmInfo& info, const ArmModel& model, const JointVector& q, std::size_t axis) {
   const Matrix3 J = linear_jacobian(model, q);
   double total = 0.0;
   for (Eigen::Index joint = 0; joint < 3; ++joint) {
@@ -269,9 +96,9 @@ double quantum(const ArmInfo& info, const ArmModel& model, const JointVector& q,
 double planned_duration_s(const ResponseExperiment& e) {
   const double settle = static_cast<double>(settle_periods(e));
   const double pieces = e.excitation == Excitation::multisine ? e.realisations : e.lines;
-  const double ends = 2.0 * PeriodicDrive::overhead_s(drive_config(e));
-  return ends +
-         e.period_s * (settle + static_cast<double>(kPilotPeriods) + pieces * (settle + e.periods));
+  const double before = 2.0 * settle + kPilot.periods + kRehearsal.periods;
+  return 3.0 * PeriodicDrive::overhead_s(drive_config(e)) +
+         e.period_s * (before + pieces * (settle + e.periods));
 }
 
 ResponseMeasurement measure_response(const ResponseExperiment& experiment,
@@ -283,33 +110,32 @@ ResponseMeasurement measure_response(const ResponseExperiment& experiment,
   Random random{experiment.seed};
   const LineGrid grid = grid_of(experiment, random);
   ResponseMeasurement result;
-  const PeriodicDrive pilot =
-      run(experiment, model, {pilot_segment(experiment, grid, random)}, {arm, clock}, stop);
-  result.pilot = pilot.outcome();
-  const std::vector<PeriodicRecord> pilot_records = pilot.records();
-  if (result.pilot.end != DriveEnd::done || pilot_records.front().force_N.cols() == 0) {
-    return result;
+  const auto drive_through = [&](std::vector<PeriodicDrive::Segment> segments) {
+    const PeriodicDrive drive = run(experiment, model, std::move(segments), {arm, clock}, stop);
+    result.drives.push_back(drive.outcome());
+    std::vector<PeriodicRecord> records = drive.records();
+    if (drive.outcome().end != DriveEnd::done) records.clear();
+    return records;
+  };
+  Answer answer = answer_of_lightest(grid, experiment.period_s);
+  std::vector<PeriodicRecord> records;
+  for (const Effort& effort : {kPilot, kRehearsal}) {
+    records = drive_through(multisine_segments(experiment, grid, answer, effort, random));
+    if (records.empty() || records.front().force_N.cols() == 0) return result;
+    answer = answer_of(grid, records.front());
   }
-  const Answer answer = answer_of(grid, pilot_records.front());
-  const bool stepped = experiment.excitation == Excitation::stepped_sine;
-  const double count_m = quantum(arm.info(), model, arm.read().q, experiment.axis);
-  const PeriodicDrive drive = run(experiment, model,
-                                  stepped ? stepped_segments(experiment, grid, answer, count_m)
-                                          : multisine_segments(experiment, grid, answer, random),
-                                  {arm, clock}, stop);
-  result.drive = drive.outcome();
-  if (result.drive.end != DriveEnd::done) return result;
-
-  std::vector<PeriodicRecord> records = drive.records();
-  if (stepped) {
-    FrequencyResponse response = stepped_response(experiment, grid, records);
+  const RecordInfo info{.rate_Hz = experiment.rate_Hz,
+                        .count_m = count(arm.info(), model, arm.read().q, experiment.axis)};
+  if (experiment.excitation == Excitation::stepped_sine) {
+    records = drive_through(stepped_segments(experiment, grid, answer, info.count_m));
+    FrequencyResponse response = stepped_response(experiment, grid, records, info);
     if (response.lines.size() >= 10) result.response = std::move(response);
     return result;
   }
+  const Effort all{.realisations = experiment.realisations, .periods = experiment.periods};
+  records = drive_through(multisine_segments(experiment, grid, answer, all, random));
   std::erase_if(records, [](const PeriodicRecord& record) { return record.force_N.cols() < 2; });
-  if (records.size() >= 3) {
-    result.response = estimate_multisine(grid, records, experiment.rate_Hz);
-  }
+  if (records.size() >= 3) result.response = estimate_multisine(grid, records, info);
   return result;
 }
 
