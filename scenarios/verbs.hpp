@@ -16,5 +16,6 @@ void add_loopback(CLI::App& app, Action& action);
 void add_workspace(CLI::App& app, Action& action);
 void add_logs(CLI::App& app, Action& action);
 void add_bench(CLI::App& app, Action& action);
+void add_frequency_response(CLI::App& app, Action& action);
 
 }  // namespace teleop

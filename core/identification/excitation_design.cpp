@@ -1,7 +1,6 @@
 #include "core/identification/excitation_design.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -13,11 +12,12 @@ using Complex = std::complex<double>;
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr double kLightest_kg = 0.02;
-constexpr double kForceShare = 0.8;      ///< of the limit
-constexpr double kTravelShare = 0.7;     ///< of the limit
-constexpr double kSettle_s = 2.0;        ///< the holding loop forgets the start by e⁻¹⁰ or so
-constexpr double kCarrierCounts = 20.0;  ///< amplitude of the slow sine beside a small one
-constexpr double kSmallCounts = 4.0;     ///< amplitudes below this need it
+constexpr double kForceShare = 0.8;     ///< of the limit
+constexpr double kTravelShare = 0.7;    ///< of the limit
+constexpr double kSettle_s = 2.0;       ///< the holding loop forgets the start by e⁻¹⁰ or so
+constexpr double kCarrierCounts = 8.0;  ///< amplitude of each slow line beside a small sine
+constexpr std::size_t kCarriers = 5;
+constexpr double kSmallCounts = 10.0;  ///< amplitudes below this need it
 
 std::size_t samples_of(const ResponseExperiment& experiment) {
   return static_cast<std::size_t>(std::lround(experiment.rate_Hz * experiment.period_s));
@@ -160,23 +160,39 @@ std::vector<std::size_t> stepped_lines(const ResponseExperiment& experiment, con
   return chosen;
 }
 
+std::span<const std::size_t> carriers_of(const LineGrid& grid) {
+  return {grid.excited.data(), std::min<std::size_t>(kCarriers, grid.excited.size())};
+}
+
 std::vector<PeriodicDrive::Segment> stepped_segments(const ResponseExperiment& experiment,
                                                      const LineGrid& grid,
                                                      const Answer& answer,
-                                                     double quantum_m) {
+                                                     double count_m,
+                                                     Random& random) {
+  const std::span<const std::size_t> carriers = carriers_of(grid);
   std::vector<PeriodicDrive::Segment> segments;
   for (const std::size_t index : stepped_lines(experiment, grid)) {
     const auto at = static_cast<Eigen::Index>(index);
-    const double carrier = kCarrierCounts * quantum_m / answer.position_m(0);
-    const double carrier_force = carrier * answer.force_N(0);
+    std::vector<std::size_t> lines{carriers.begin(), carriers.end()};
+    std::vector<Complex> sizes;
+    double carrier_force = 0.0;
+    for (std::size_t i = 0; i < carriers.size(); ++i) {
+      const auto carrier = static_cast<Eigen::Index>(i);
+      const double size = kCarrierCounts * count_m / answer.position_m(carrier);
+      sizes.push_back(std::polar(size, random.uniform(0.0, kTwoPi)));
+      carrier_force += size * answer.force_N(carrier);
+    }
     const double room = kForceShare * experiment.max_force_N - carrier_force;
     const double size =
         std::min(std::max(room, 0.1 * experiment.max_force_N) / answer.force_N(at),
                  0.5 * kTravelShare * experiment.max_travel_m / answer.position_m(at));
-    const bool small = size * answer.position_m(at) < kSmallCounts * quantum_m;
-    const std::array<std::size_t, 2> lines{grid.excited[index], grid.excited.front()};
-    const std::array<Complex, 2> amplitude{size, small ? carrier : 0.0};
-    segments.push_back({.reference_N = periodic_signal(grid.samples, lines, amplitude),
+    if (size * answer.position_m(at) >= kSmallCounts * count_m) {
+      lines.clear();
+      sizes.clear();
+    }
+    lines.push_back(grid.excited[index]);
+    sizes.emplace_back(size);
+    segments.push_back({.reference_N = periodic_signal(grid.samples, lines, sizes),
                         .settle_periods = settle_periods(experiment),
                         .periods = static_cast<std::size_t>(experiment.periods)});
   }

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/identification/frequency_response.hpp"
@@ -22,7 +23,7 @@ struct ResponseExperiment {
   double high_Hz = 500.0;
   double period_s = 1.0;     ///< the resolution is its inverse
   int periods = 3;           ///< kept of every realisation or line
-  int realisations = 10;     ///< of the multisine, with other phases each
+  int realisations = 12;     ///< of the multisine, with other phases each
   int lines = 40;            ///< of the stepped sine
   double max_force_N = 5.0;  ///< commanded, holding loop included
   double max_travel_m = 0.005;
@@ -65,12 +66,16 @@ struct Effort {
 [[nodiscard]] std::vector<std::size_t> stepped_lines(const ResponseExperiment& experiment,
                                                      const LineGrid& grid);
 
-/// A sine a line, as large as force and travel bear. Where it would move the encoder by a few
-/// counts only, a slow sine of 20 counts goes with it: rounding then acts like noise.
+/// The slow lines that go with a sine which would move the encoder by a few counts only: rounding
+/// then acts like noise.
+[[nodiscard]] std::span<const std::size_t> carriers_of(const LineGrid& grid);
+
+/// A sine a line, as large as force and travel bear.
 [[nodiscard]] std::vector<PeriodicDrive::Segment> stepped_segments(
     const ResponseExperiment& experiment,
     const LineGrid& grid,
     const Answer& answer,
-    double count_m);
+    double count_m,
+    Random& random);
 
 }  // namespace teleop

@@ -211,9 +211,9 @@ FrequencyResponse estimate_multisine(const LineGrid& grid,
 
 ResponseLine estimate_sine(const PeriodicRecord& record,
                            std::size_t line,
-                           std::size_t carrier,
+                           std::span<const std::size_t> carriers,
                            const RecordInfo& info) {
-  constexpr std::size_t kReach = 12;
+  constexpr std::size_t kReach = 30;  // even, so that all are odd
   const auto samples = static_cast<std::size_t>(record.reference_N.size());
   const std::size_t last = std::min(5 * line + kReach, samples / 2 - 1);
   const Spectra s = spectra(record, last);
@@ -224,8 +224,9 @@ ResponseLine estimate_sine(const PeriodicRecord& record,
   };
   double around = 0.0;
   double count = 0.0;
-  for (std::size_t k = line > kReach ? line - kReach : 1; k <= line + kReach && k <= last; ++k) {
-    if (k == line || k == carrier) continue;
+  for (std::size_t k = line > kReach ? line - kReach : line % 2; k <= line + kReach; k += 2) {
+    const bool driven = std::find(carriers.begin(), carriers.end(), k) != carriers.end();
+    if (k == 0 || k == line || k > last || driven) continue;
     around += residual(k);
     count += 1.0;
   }

@@ -59,11 +59,12 @@ struct RecordInfo {
                                                    std::span<const PeriodicRecord> records,
                                                    const RecordInfo& info);
 
-/// One line from a sine, beside which a slow `carrier` may move the encoder over its counts. The
-/// variance comes from what stands at the lines around it, distortion from its harmonics 2 to 5.
+/// One line from a sine, beside which `carriers`, slow lines, may move the encoder over its counts.
+/// The variance comes from what stands at the odd lines around it, where rounding of a signal of
+/// odd lines goes; distortion from the harmonics 2 to 5.
 [[nodiscard]] ResponseLine estimate_sine(const PeriodicRecord& record,
                                          std::size_t line,
-                                         std::size_t carrier,
+                                         std::span<const std::size_t> carriers,
                                          const RecordInfo& info);
 
 }  // namespace teleop

@@ -27,18 +27,35 @@ struct Start {
   MechanicalParameters parameters;
 };
 
+/// What all starting values share: lines, and what each is weighted with.
+struct WeightedLines {
+  Eigen::ArrayXcd z;
+  Eigen::ArrayXcd late;   ///< delay and amplifier, over the weight
+  Eigen::ArrayXcd right;  ///< measured values, over the weight
+  double period_s = 0.0;
+
+  WeightedLines(const MeasuredResponse& data, const Sampling& sampling)
+      : period_s{sampling.period_s} {
+    const Eigen::ArrayXcd s = Complex{0.0, kTwoPi} * data.frequency_Hz.cast<Complex>().array();
+    const Eigen::ArrayXd trust = data.deviation.array() + kTrustInStart * data.value.array().abs();
+    z = (s * period_s).exp();
+    late = (-s * (period_s * sampling.delay_samples)).exp() /
+           ((1.0 + s * sampling.amplifier_lag_s) * trust);
+    right = data.value.array() / trust;
+  }
+};
+
 /// The sampled response of 1/((s − p)(s − p*)) behind a hold.
-Complex held_mode(Complex pole, Complex z, double period_s) {
-  const auto held = [&](Complex p) {
-    const Complex step = std::exp(p * period_s);
-    return (step - 1.0) / (p * (z - step));
-  };
-  return (held(pole) - held(std::conj(pole))) / (pole - std::conj(pole));
+Eigen::ArrayXcd held_mode(Complex pole, const Eigen::ArrayXcd& z, double period_s) {
+  const Complex step = std::exp(pole * period_s);
+  const Complex residue = (step - 1.0) / pole;
+  return (residue.imag() * z - (residue * std::conj(step)).imag()) /
+         (pole.imag() * (z * (z - 2.0 * step.real()) + std::norm(step)));
 }
 
 /// The sampled response of 1/(s (s + c)) behind a hold, of 1/s² for c = 0.
-Complex held_rigid(double c, Complex z, double period_s) {
-  if (c == 0.0) return 0.5 * period_s * period_s * (z + 1.0) / ((z - 1.0) * (z - 1.0));
+Eigen::ArrayXcd held_rigid(double c, const Eigen::ArrayXcd& z, double period_s) {
+  if (c == 0.0) return 0.5 * period_s * period_s * (z + 1.0) / (z - 1.0).square();
   const double step = std::exp(-c * period_s);
   return (period_s / (z - 1.0) - (1.0 - step) / (c * (z - step))) / c;
 }
@@ -50,31 +67,17 @@ struct Poles {
 };
 
 /// 1/M, m2/(M m1) and 1/k_t by linear least squares for assumed poles.
-std::optional<Start> start_at(MechanicalForm form,
-                              const MeasuredResponse& data,
-                              const Sampling& sampling,
-                              const Poles& poles) {
-  const Eigen::Index lines = data.value.size();
+std::optional<Start> start_at(MechanicalForm form, const WeightedLines& data, const Poles& poles) {
+  const Eigen::Index lines = data.z.size();
   const Eigen::Index unknowns = form == MechanicalForm::a ? 2 : 3;
-  const double T = sampling.period_s;
   Eigen::MatrixXcd columns{lines, unknowns};
-  Eigen::VectorXcd right{lines};
-  for (Eigen::Index i = 0; i < lines; ++i) {
-    const Complex s{0.0, kTwoPi * data.frequency_Hz(i)};
-    const Complex z = std::exp(s * T);
-    const Complex late =
-        std::exp(-s * (T * sampling.delay_samples)) / (1.0 + s * sampling.amplifier_lag_s);
-    columns(i, 0) = held_rigid(poles.rigid_per_s, z, T);
-    columns(i, 1) = held_mode(poles.mode, z, T);
-    if (unknowns == 3) columns(i, 2) = 1.0 / z;
-    const double trust = data.deviation(i) + kTrustInStart * std::abs(data.value(i));
-    columns.row(i) *= late / trust;
-    right(i) = data.value(i) / trust;
-  }
+  columns.col(0) = data.late * held_rigid(poles.rigid_per_s, data.z, data.period_s);
+  columns.col(1) = data.late * held_mode(poles.mode, data.z, data.period_s);
+  if (unknowns == 3) columns.col(2) = data.late / data.z;
   Eigen::MatrixXd A{2 * lines, unknowns};
   A << columns.real(), columns.imag();
   Eigen::VectorXd y{2 * lines};
-  y << right.real(), right.imag();
+  y << data.right.real(), data.right.imag();
   const Eigen::VectorXd x = A.colPivHouseholderQr().solve(y);
   if (!(x.minCoeff() > 0.0)) return std::nullopt;
 
@@ -96,18 +99,18 @@ std::vector<MechanicalParameters> starts(const MechanicalFamily& family,
                                          const Sampling& sampling) {
   constexpr int kFrequencies = 200;
   const std::vector<double> rigid =
-      family.has_ground_damper ? std::vector{1.0, 5.0, 20.0, 80.0} : std::vector{0.0};
+      family.has_ground_damper ? std::vector{2.0, 20.0} : std::vector{0.0};
+  const WeightedLines lines{data, sampling};
   const double low = data.frequency_Hz.minCoeff();
   const double ratio = 1.5 * data.frequency_Hz.maxCoeff() / low;
   std::vector<Start> found;
   for (int i = 0; i < kFrequencies; ++i) {
     const double natural = kTwoPi * low * std::pow(ratio, (i + 0.5) / kFrequencies);
     std::optional<Start> best;
-    for (const double damping_ratio : {0.01, 0.03, 0.1, 0.3, 0.8}) {
+    for (const double damping_ratio : {0.01, 0.04, 0.15, 0.6}) {
       const Complex mode = std::polar(natural, std::acos(-damping_ratio));
       for (const double rigid_per_s : rigid) {
-        const auto start =
-            start_at(family.form, data, sampling, {.rigid_per_s = rigid_per_s, .mode = mode});
+        const auto start = start_at(family.form, lines, {.rigid_per_s = rigid_per_s, .mode = mode});
         if (start && (!best || start->misfit < best->misfit)) best = start;
       }
     }
@@ -157,6 +160,10 @@ std::vector<Estimate> estimates(const MechanicalFamily& family, const ResponseFi
     result.push_back(estimate(names[i].name, names[i].unit, fit.theta(at), fit.covariance(at, at)));
   }
   return result;
+}
+
+double mode_Hz(const MechanicalParameters& p) {
+  return std::sqrt(p.k_N_per_m * (1.0 / p.m1_kg + 1.0 / p.m2_kg)) / kTwoPi;
 }
 
 /// The best fit from several starting values.
@@ -259,7 +266,9 @@ MechanicalFit fit_mechanical(MechanicalForm form,
   from.back().b_0_Ns_per_m = 0.1;
   const ResponseFit other = best_fit(damped, from, data, sampling);
   const double widening = std::max(1.0, other.error);
-  if (result.fit.cost - other.cost > kChiSquare99 * widening * widening) {
+  const bool better = result.fit.cost - other.cost > kChiSquare99 * widening * widening;
+  const MechanicalParameters alone = result.family.unpack(result.fit.theta);
+  if (better || mode_Hz(alone) < data.frequency_Hz.minCoeff()) {
     result.family = damped;
     result.fit = other;
   }

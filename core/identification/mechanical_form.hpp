@@ -64,7 +64,8 @@ struct MechanicalFit {
 /// Fits a form. Starting values: for a natural frequency and a damping ratio on a grid the response
 /// is linear in the two residues and 1/k_t, so the best of the grid needs no guess; the three best
 /// are refined. The damper to ground stays in when it lowers the cost by more than chance would
-/// (likelihood ratio at 99 %).
+/// (likelihood ratio at 99 %), or when without it the mode slides below the first line: then the
+/// second mass only stands in for the ground.
 [[nodiscard]] MechanicalFit fit_mechanical(MechanicalForm form,
                                            const MeasuredResponse& data,
                                            const Sampling& sampling);

@@ -11,9 +11,13 @@
 namespace teleop {
 
 struct ResponseMeasurement {
-  std::vector<PeriodicDrive::Outcome> drives{};  ///< pilot, rehearsal, measurement; up to a stop
-  std::optional<FrequencyResponse> response{};   ///< absent unless all three were done
+  std::vector<PeriodicDrive::Outcome>
+      drives{};  ///< pilot, rehearsal, measurement and its repetitions
+  std::optional<FrequencyResponse> response{};  ///< absent unless all of them were done
 };
+
+/// @throws ConfigError when the lines do not fit the rate, or the numbers make no sense.
+void check(const ResponseExperiment& experiment);
 
 /// How long the arm will be driven, pilot included, s.
 [[nodiscard]] double planned_duration_s(const ResponseExperiment& experiment);
@@ -28,7 +32,7 @@ struct ResponseMeasurement {
 ///
 /// The arm must stand still, and must not be touched. Clock and arm may be simulated or real.
 /// Records that lost too many periods to a late loop give no response.
-/// @throws ConfigError when the lines do not fit the rate, or the numbers make no sense.
+/// @throws ConfigError as check() does.
 [[nodiscard]] ResponseMeasurement measure_response(const ResponseExperiment& experiment,
                                                    Arm& arm,
                                                    const ArmModel& model,

@@ -18,7 +18,7 @@ inline MechanicalParameters random_mechanism(MechanicalForm form, Random& random
                          .m2_kg = mass - m1,
                          .k_N_per_m = reduced * natural * natural,
                          .b_Ns_per_m = 2.0 * random.uniform(0.01, 0.2) * natural * reduced};
-  if (form == MechanicalForm::b) p.k_t_N_per_m = p.k_N_per_m * random.uniform(3.0, 20.0);
+  if (form == MechanicalForm::b) p.k_t_N_per_m = random.uniform(2e3, 25e3);
   return p;
 }
 

@@ -1,0 +1,237 @@
+#include <atomic>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <optional>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.hpp"
+#include "tests/identification/planted_arm.hpp"
+#include "tests/support/no_allocation.hpp"
+
+namespace teleop {
+namespace {
+
+using testing::measure;
+using testing::PlantedArm;
+
+/// How many estimates of many arms were where.
+struct Tally {
+  int estimates = 0;
+  int covered = 0;
+  int masses_and_springs_off = 0;  ///< by more than asked
+  int dampers_off = 0;
+};
+
+/// How far an estimate may be from the truth.
+struct Tolerance {
+  double mass_and_spring = 0.02;
+  double damper = 0.10;
+};
+
+void add(Tally& tally,
+         const PlantedArm& planted,
+         const FrequencyResponse& response,
+         const Tolerance& tolerance = {}) {
+  const MechanicalFit fit =
+      fit_mechanical(planted.form, measured(response), {.period_s = 1.0 / 10000.0});
+  const Eigen::VectorXd truth = planted.true_values();
+  for (Eigen::Index k = 0; k < truth.size(); ++k) {
+    const Estimate& estimate = fit.estimates.at(static_cast<std::size_t>(k));
+    const double error = std::abs(estimate.value / truth(k) - 1.0);
+    ++tally.estimates;
+    tally.covered += static_cast<int>(estimate.low <= truth(k) && truth(k) <= estimate.high);
+    if (estimate.name == "b") {
+      tally.dampers_off += static_cast<int>(error > tolerance.damper);
+    } else {
+      tally.masses_and_springs_off += static_cast<int>(error > tolerance.mass_and_spring);
+    }
+  }
+}
+
+Tally planted_forms(std::uint64_t first_seed, std::uint64_t count) {
+  Tally tally;
+  for (std::uint64_t seed = first_seed; seed < first_seed + count; ++seed) {
+    const PlantedArm planted{seed};
+    const ResponseMeasurement measurement = measure(planted, {.seed = seed});
+    EXPECT_TRUE(measurement.response.has_value()) << "seed " << seed;
+    if (!measurement.response) continue;
+    EXPECT_FALSE(measurement.response->distorted) << "seed " << seed;
+    EXPECT_TRUE(measurement.drives.back().at_rest) << "seed " << seed;
+    add(tally, planted, *measurement.response);
+  }
+  return tally;
+}
+
+TEST(PlantedResponse, MassesSpringsAndDampersAreFoundBehindRoundingAndNoise) {
+  const Tally tally = planted_forms(310, 10);
+
+  EXPECT_EQ(tally.masses_and_springs_off, 0);
+  EXPECT_EQ(tally.dampers_off, 0);
+  EXPECT_GE(tally.covered, 0.75 * tally.estimates);  // of 45: the campaign has the sharp bounds
+}
+
+TEST(Campaign, IntervalsOfPlantedResponsesHoldTheTruthNineTimesOfTen) {
+  const char* cases = std::getenv("TELEOP_CAMPAIGN");  // NOLINT(concurrency-mt-unsafe): one thread
+  if (cases == nullptr)
+    GTEST_SKIP() << "set TELEOP_CAMPAIGN to the number of arms, for example 200";
+  const Tally tally = planted_forms(1, std::stoull(cases));
+
+  EXPECT_EQ(tally.masses_and_springs_off, 0);
+  EXPECT_EQ(tally.dampers_off, 0);
+  EXPECT_GE(tally.covered, 0.86 * tally.estimates);
+  EXPECT_LE(tally.covered, 0.94 * tally.estimates);
+  RecordProperty("covered", tally.covered);
+  RecordProperty("estimates", tally.estimates);
+}
+
+TEST(PlantedResponse, CoulombFrictionIsFlaggedAndBendsNothingByMoreThanFivePercent) {
+  Eigen::VectorXd bias = Eigen::VectorXd::Zero(4);
+  constexpr std::uint64_t kArms = 6;
+  for (std::uint64_t i = 0; i < kArms; ++i) {
+    const PlantedArm planted{520 + 2 * i, 0.04};
+    const ResponseMeasurement measurement = measure(planted, {.seed = i});
+    ASSERT_TRUE(measurement.response.has_value()) << i;
+    EXPECT_TRUE(measurement.response->distorted) << i << ": " << measurement.response->distortion;
+    EXPECT_GT(measurement.response->lines.front().odd, measurement.response->lines.front().even);
+    const MechanicalFit fit =
+        fit_mechanical(planted.form, measured(*measurement.response), {.period_s = 1e-4});
+    EXPECT_TRUE(fit.family.has_ground_damper) << i;
+    const Eigen::VectorXd truth = planted.true_values();
+    for (Eigen::Index k = 0; k < 4; ++k) {
+      bias(k) += (fit.estimates.at(static_cast<std::size_t>(k)).value / truth(k) - 1.0) / kArms;
+    }
+  }
+  EXPECT_LE(bias.cwiseAbs().maxCoeff(), 0.05) << bias.transpose();
+}
+
+TEST(MeasureResponse, OfASteppedSineIsThatOfTheMechanism) {
+  const PlantedArm planted{613};
+  const ResponseMeasurement measurement =
+      measure(planted, {.excitation = Excitation::stepped_sine, .lines = 20});
+  ASSERT_TRUE(measurement.response.has_value());
+  EXPECT_FALSE(measurement.response->distorted) << measurement.response->distortion;
+  const MechanicalFamily family{.form = planted.form};
+  Linearised system = family(family.pack(planted.truth));
+  system.derivatives.clear();
+  const MeasuredResponse data = measured(*measurement.response);
+  const ComplexResponse truth = sampled_response(system, {.period_s = 1e-4}, data.frequency_Hz);
+  for (Eigen::Index i = 0; i < data.value.size(); ++i) {
+    EXPECT_LE(std::abs(data.value(i) - truth.value(i)),
+              4.0 * data.deviation(i) + 2e-3 * std::abs(truth.value(i)))
+        << data.frequency_Hz(i) << " Hz";
+  }
+}
+
+TEST(MeasureResponse, OfTheSameSeedIsTheSameToTheBit) {
+  const PlantedArm planted{7};
+  const ResponseExperiment quick{.rate_Hz = 2000.0, .realisations = 3};
+  const auto first = measure(planted, quick);
+  const auto second = measure(planted, quick);
+  ASSERT_TRUE(first.response && second.response);
+  for (std::size_t i = 0; i < first.response->lines.size(); ++i) {
+    EXPECT_EQ(first.response->lines[i].gain, second.response->lines[i].gain);
+    EXPECT_EQ(first.response->lines[i].deviation, second.response->lines[i].deviation);
+  }
+}
+
+TEST(MeasureResponse, StaysWithinForceAndTravel) {
+  for (std::uint64_t seed = 40; seed < 44; ++seed) {
+    const ResponseExperiment small{.rate_Hz = 2000.0,
+                                   .realisations = 3,
+                                   .max_force_N = 1.0,
+                                   .max_travel_m = 0.002,
+                                   .seed = seed};
+    const ResponseMeasurement measurement = measure(PlantedArm{seed}, small);
+    EXPECT_TRUE(measurement.response.has_value()) << seed;
+    for (const PeriodicDrive::Outcome& drive : measurement.drives) {
+      EXPECT_LE(drive.largest_force_N, 1.0 + 1e-12);
+      EXPECT_LE(drive.largest_travel_m, 0.002);
+      EXPECT_TRUE(drive.at_rest);
+    }
+  }
+}
+
+TEST(MeasureResponse, RefusesWhatCannotBeMeasured) {
+  const auto refused = [](const ResponseExperiment& experiment) {
+    EXPECT_THROW(check(experiment), ConfigError);
+  };
+  refused({.rate_Hz = 20000.0});
+  refused({.rate_Hz = 1000.0, .high_Hz = 500.0});
+  refused({.low_Hz = 1.0});
+  refused({.low_Hz = 100.0, .high_Hz = 120.0});
+  refused({.realisations = 2});
+  refused({.max_force_N = 0.0});
+  EXPECT_NO_THROW(check({}));
+}
+
+/// A drive of a constant push, which no weak loop holds within its travel.
+struct Push {
+  SimulatedClock clock;
+  LinearArm arm{{}, clock};
+  ArmModel model = load_arm("phantom-1.5");
+  std::atomic<bool> stop{false};
+  PeriodicDrive drive;
+
+  explicit Push(double force_N)
+      : drive{{.rate_Hz = 1000.0},
+              model,
+              {{.reference_N = Eigen::VectorXd::Constant(1000, force_N),
+                .settle_periods = 1,
+                .periods = 2}},
+              stop} {}
+
+  void run(std::optional<std::uint64_t> stop_at = {}) {
+    run_periodically(clock, std::chrono::milliseconds{1}, [&](const Tick& tick) noexcept {
+      if (stop_at && tick.index == *stop_at) stop = true;
+      return drive.step(arm, tick);
+    });
+  }
+};
+
+TEST(PeriodicDrive, BrakesBeyondItsTravelAndEndsAtRestWithoutTorque) {
+  Push push{1.0};
+  push.run();
+  EXPECT_EQ(push.drive.outcome().end, DriveEnd::travel);
+  EXPECT_TRUE(push.drive.outcome().at_rest);
+  EXPECT_LT(push.drive.outcome().largest_travel_m, 0.0075);
+  EXPECT_EQ(push.arm.true_state().force.norm(), 0.0);
+  EXPECT_FALSE(push.arm.read().has(ArmFlag::amplifiers_on));
+}
+
+TEST(PeriodicDrive, EndsAtRestWhenInterrupted) {
+  Push push{0.01};
+  push.run(2500);
+  EXPECT_EQ(push.drive.outcome().end, DriveEnd::interrupted);
+  EXPECT_TRUE(push.drive.outcome().at_rest);
+  EXPECT_EQ(push.arm.true_state().force.norm(), 0.0);
+}
+
+TEST(PeriodicDrive, LeavesOutPeriodsThatLostSamples) {
+  Push push{0.01};
+  Tick tick{.elapsed = std::chrono::milliseconds{1}};
+  while (push.drive.step(push.arm, tick) == Next::again) {
+    const bool late = tick.index == 2700;  // in the first period that is kept
+    const Duration step = std::chrono::milliseconds{late ? 4 : 1};
+    push.clock.sleep_until(push.clock.now() + step);
+    tick = {.index = tick.index + 1, .elapsed = step, .missed = tick.missed + (late ? 3U : 0U)};
+  }
+  EXPECT_EQ(push.drive.outcome().end, DriveEnd::done);
+  EXPECT_EQ(push.drive.outcome().missed, 3U);
+  EXPECT_EQ(push.drive.records().front().force_N.cols(), 0);  // and the one after hears the echo
+}
+
+TEST(PeriodicDrive, StepDoesNotAllocate) {
+  if (!testing::NoAllocation::is_armed()) GTEST_SKIP() << "sanitizers own malloc";
+  Push push{0.01};
+  const testing::NoAllocation guard;
+  push.run();
+  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_EQ(push.drive.outcome().end, DriveEnd::done);
+}
+
+}  // namespace
+}  // namespace teleop
