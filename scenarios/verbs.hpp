@@ -15,6 +15,7 @@ using Action = std::function<int()>;
 void add_loopback(CLI::App& app, Action& action);
 void add_workspace(CLI::App& app, Action& action);
 void add_logs(CLI::App& app, Action& action);
+void add_velocity(CLI::App& app, Action& action);
 void add_bench(CLI::App& app, Action& action);
 void add_frequency_response(CLI::App& app, Action& action);
 

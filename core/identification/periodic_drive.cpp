@@ -124,7 +124,7 @@ void PeriodicDrive::observe(const ArmState& state, const Tick& tick) noexcept {
   outcome_.missed = tick.missed;
   in_phase_ += just_missed_;
   p_ = J_ * (state.q - q_0_);
-  v_ = J_ * velocity_.step(state.q, seconds(tick.elapsed));
+  v_ = J_ * velocity_.step({.q = state.q, .dt = seconds(tick.elapsed)});
 }
 
 void PeriodicDrive::check(const ArmState& state) noexcept {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/fault.hpp"
-#include "core/estimation/velocity.hpp"
+#include "core/estimation/difference_velocity.hpp"
 #include "core/identification/frequency_response.hpp"
 #include "core/model/arm_model.hpp"
 #include "core/ports/arm.hpp"

@@ -2,69 +2,22 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <optional>
-#include <string>
 
 #include <gtest/gtest.h>
 
 #include "core/base/error.hpp"
 #include "tests/identification/planted_arm.hpp"
+#include "tests/identification/tally.hpp"
 #include "tests/support/no_allocation.hpp"
 
 namespace teleop {
 namespace {
 
 using testing::measure;
+using testing::planted_forms;
 using testing::PlantedArm;
-
-/// How many estimates of many arms were where.
-struct Tally {
-  int estimates = 0;
-  int covered = 0;
-  int masses_and_springs_off = 0;  ///< by more than asked
-  int dampers_off = 0;
-};
-
-/// How far an estimate may be from the truth.
-struct Tolerance {
-  double mass_and_spring = 0.02;
-  double damper = 0.10;
-};
-
-void add(Tally& tally,
-         const PlantedArm& planted,
-         const FrequencyResponse& response,
-         const Tolerance& tolerance = {}) {
-  const MechanicalFit fit =
-      fit_mechanical(planted.form, measured(response), {.period_s = 1.0 / 10000.0});
-  const Eigen::VectorXd truth = planted.true_values();
-  for (Eigen::Index k = 0; k < truth.size(); ++k) {
-    const Estimate& estimate = fit.estimates.at(static_cast<std::size_t>(k));
-    const double error = std::abs(estimate.value / truth(k) - 1.0);
-    ++tally.estimates;
-    tally.covered += static_cast<int>(estimate.low <= truth(k) && truth(k) <= estimate.high);
-    if (estimate.name == "b") {
-      tally.dampers_off += static_cast<int>(error > tolerance.damper);
-    } else {
-      tally.masses_and_springs_off += static_cast<int>(error > tolerance.mass_and_spring);
-    }
-  }
-}
-
-Tally planted_forms(std::uint64_t first_seed, std::uint64_t count) {
-  Tally tally;
-  for (std::uint64_t seed = first_seed; seed < first_seed + count; ++seed) {
-    const PlantedArm planted{seed};
-    const ResponseMeasurement measurement = measure(planted, {.seed = seed});
-    EXPECT_TRUE(measurement.response.has_value()) << "seed " << seed;
-    if (!measurement.response) continue;
-    EXPECT_FALSE(measurement.response->distorted) << "seed " << seed;
-    EXPECT_TRUE(measurement.drives.back().at_rest) << "seed " << seed;
-    add(tally, planted, *measurement.response);
-  }
-  return tally;
-}
+using testing::Tally;
 
 TEST(PlantedResponse, MassesSpringsAndDampersAreFoundBehindRoundingAndNoise) {
   const Tally tally = planted_forms(310, 10);
@@ -72,20 +25,6 @@ TEST(PlantedResponse, MassesSpringsAndDampersAreFoundBehindRoundingAndNoise) {
   EXPECT_EQ(tally.masses_and_springs_off, 0);
   EXPECT_EQ(tally.dampers_off, 0);
   EXPECT_GE(tally.covered, 0.75 * tally.estimates);  // of 45: the campaign has the sharp bounds
-}
-
-TEST(Campaign, IntervalsOfPlantedResponsesHoldTheTruthNineTimesOfTen) {
-  const char* cases = std::getenv("TELEOP_CAMPAIGN");  // NOLINT(concurrency-mt-unsafe): one thread
-  if (cases == nullptr)
-    GTEST_SKIP() << "set TELEOP_CAMPAIGN to the number of arms, for example 200";
-  const Tally tally = planted_forms(1, std::stoull(cases));
-
-  EXPECT_EQ(tally.masses_and_springs_off, 0);
-  EXPECT_EQ(tally.dampers_off, 0);
-  EXPECT_GE(tally.covered, 0.86 * tally.estimates);
-  EXPECT_LE(tally.covered, 0.94 * tally.estimates);
-  RecordProperty("covered", tally.covered);
-  RecordProperty("estimates", tally.estimates);
 }
 
 TEST(PlantedResponse, CoulombFrictionIsFlaggedAndBendsNothingByMoreThanFivePercent) {

@@ -54,6 +54,14 @@ TEST(BadInput, OnTheCommandLineIsOneLineAndExitCode2) {
       {"teleop report no-such.mcap", {"no-such.mcap"}},
       {"teleop recover no-such.mcap", {"no-such.mcap"}},
       {"teleop workspace --arm no-such-arm", {"no-such-arm"}},
+      {"teleop frequency-response --axis w", {"axis", "w"}},
+      {"teleop frequency-response --rate-Hz 20000", {"rate", "10000"}},
+      {"teleop frequency-response --rate-Hz 1000 --high-Hz 450", {"400", "rate"}},
+      {"teleop frequency-response --low-Hz 1", {"lowest", "2"}},
+      {"teleop frequency-response --device teapot", {"teapot"}},
+      {"teleop velocity no-such.mcap", {"no-such.mcap"}},
+      {"teleop velocity --set velocity.period.samples=7", {"period.samples", "multiple of 4"}},
+      {"teleop-master --velocity.kind guess", {"guess", "adaptive_window"}},
   };
   for (const Bad& bad : commands)
     expect_one_clear_line(bad);
