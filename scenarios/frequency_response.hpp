@@ -11,13 +11,14 @@ struct FrequencyResponseOptions {
   std::string device = "sim";
   std::string axis = "x";            ///< x, y or z
   std::string method = "multisine";  ///< or stepped-sine
-  ResponseExperiment experiment{};   ///< axis and excitation come from the two above
-  int delay_samples = 0;             ///< of the device, known beforehand
-  double amplifier_lag_ms = 0.0;     ///< the same
-  bool real_time = false;            ///< a simulated arm on the machine's clock too
-  bool yes = false;                  ///< do not ask before a real arm moves
-  std::string out = ".";             ///< folder, made when absent
-  std::string json;                  ///< also write the numbers there
+  /// Axis and excitation come from the two above.
+  ResponseExperiment experiment{.gravity_share = 1.0};
+  int delay_samples = 0;          ///< of the device, known beforehand
+  double amplifier_lag_ms = 0.0;  ///< the same
+  bool real_time = false;         ///< a simulated arm on the machine's clock too
+  bool yes = false;               ///< do not ask before a real arm moves
+  std::string out = ".";          ///< folder, made when absent
+  std::string json;               ///< also write the numbers there
 };
 
 /// `teleop frequency-response`: drives an arm along one tool axis, and fits both forms of the paper

@@ -91,6 +91,13 @@ std::string active_text(const std::vector<Range>& ranges) {
   return text;
 }
 
+std::string line_of(const Estimate& estimate) {
+  if (!estimate.determined)
+    return fmt::format("  {:<4} not determined by these lines\n", estimate.name);
+  return fmt::format("  {:<4} {:>10.4g} {:<6} 90 % {:.4g} to {:.4g}\n", estimate.name,
+                     estimate.value, estimate.unit, estimate.low, estimate.high);
+}
+
 }  // namespace
 
 std::vector<ResponseModel> fit_models(const MeasuredResponse& data, const Sampling& sampling) {
@@ -110,6 +117,7 @@ nlohmann::json json_of(const std::vector<ResponseModel>& models) {
                             {"std", estimate.deviation},
                             {"low", estimate.low},
                             {"high", estimate.high},
+                            {"determined", estimate.determined},
                             {"unit", estimate.unit}});
     }
     json active = json::array();
@@ -133,8 +141,7 @@ std::string text_of(const std::vector<ResponseModel>& models) {
                    model.passive ? "passive" : "not passive: " + active_text(model.active_Hz));
     if (model.form.size() > 1) continue;
     for (const Estimate& estimate : model.parameters) {
-      fmt::format_to(std::back_inserter(text), "  {:<4} {:>10.4g} {:<6} 90 % {:.4g} to {:.4g}\n",
-                     estimate.name, estimate.value, estimate.unit, estimate.low, estimate.high);
+      text += line_of(estimate);
     }
   }
   return text;

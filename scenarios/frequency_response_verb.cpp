@@ -18,6 +18,10 @@ void add_limits(CLI::App& verb, FrequencyResponseOptions& options) {
   verb.add_option("--force-N", e.max_force_N, "largest force at the tool, holding loop included")
       ->check(CLI::Range(0.05, 50.0))
       ->capture_default_str();
+  verb.add_option("--gravity-share", e.gravity_share,
+                  "of the arm model's weight that is carried; 0 where the arm lies on its side")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   verb.add_flag("--yes", options.yes, "do not ask before an arm that is not simulated moves");
   verb.add_flag("--real-time", options.real_time, "drive a simulated arm in real time too");
 }

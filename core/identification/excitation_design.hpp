@@ -27,7 +27,8 @@ struct ResponseExperiment {
   int lines = 40;            ///< of the stepped sine
   double max_force_N = 5.0;  ///< commanded, holding loop included
   double max_travel_m = 0.005;
-  std::uint64_t seed = 1;  ///< of lines and phases
+  double gravity_share = 0.0;  ///< of the model's weight that is carried beside the response
+  std::uint64_t seed = 1;      ///< of lines and phases
 };
 
 /// Lines are multiples of 1/period; those of the multisine, of which a stepped sine takes some.

@@ -136,14 +136,17 @@ std::vector<MechanicalParameters> starts(const MechanicalFamily& family,
 }
 
 Estimate estimate(std::string_view name, std::string_view unit, double theta, double variance) {
-  const double value = std::exp(theta);
+  const double value = std::exp(std::clamp(theta, -kLargestLogarithm, kLargestLogarithm));
   const double deviation = std::sqrt(variance);
+  const bool determined = deviation < 1.0;
+  const double reach = std::min(kNormal95 * deviation, kLargestLogarithm);
   return {.name = name,
           .unit = unit,
           .value = value,
-          .deviation = value * deviation,
-          .low = value * std::exp(-kNormal95 * deviation),
-          .high = value * std::exp(kNormal95 * deviation)};
+          .deviation = value * std::min(deviation, kLargestLogarithm),
+          .low = value * std::exp(-reach),
+          .high = value * std::exp(reach),
+          .determined = determined};
 }
 
 std::vector<Estimate> estimates(const MechanicalFamily& family, const ResponseFit& fit) {

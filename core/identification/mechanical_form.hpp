@@ -16,6 +16,7 @@ struct Estimate {
   double deviation = 0.0;  ///< standard deviation
   double low = 0.0;        ///< 5 %
   double high = 0.0;       ///< 95 %
+  bool determined = true;  ///< the data fix it to a factor of e at least
 };
 
 /// The two structures of [Cavusoglu 2002, section 4.3.1, fig. 5]: force and encoder on m1, m2

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/base/contract.hpp"
+#include "core/model/dynamics.hpp"
 #include "core/model/kinematics.hpp"
 
 namespace teleop {
@@ -88,9 +89,10 @@ Next PeriodicDrive::step(Arm& arm, const Tick& tick) noexcept {
   Vector3 F = hold(seconds(tick.elapsed));
   const auto axis = static_cast<Eigen::Index>(config_.axis);
   if (phase_ == Phase::playing) F[axis] += play();
-  if (phase_ == Phase::fading) {
-    F *= 1.0 - static_cast<double>(in_phase_) / static_cast<double>(samples_of(kFade_s));
-  }
+  const double left = phase_ == Phase::fading ? 1.0 - static_cast<double>(in_phase_) /
+                                                          static_cast<double>(samples_of(kFade_s))
+                                              : 1.0;
+  F *= left;
   const double size = F.norm();
   if (size > config_.max_force_N) {
     F *= config_.max_force_N / size;
@@ -98,7 +100,7 @@ Next PeriodicDrive::step(Arm& arm, const Tick& tick) noexcept {
   }
   outcome_.largest_force_N = std::max(outcome_.largest_force_N, F.norm());
   if (phase_ == Phase::playing) keep(F[axis]);
-  arm.write(J_.transpose() * F);
+  arm.write(J_.transpose() * F + left * config_.gravity_share * gravity_torque(model_, state.q));
   advance_phase();
   return Next::again;
 }
@@ -144,7 +146,9 @@ void PeriodicDrive::brake(DriveEnd why) noexcept {
 
 Vector3 PeriodicDrive::hold(double dt) noexcept {
   if (phase_ == Phase::centring) {
-    weight_ -= config_.integral_per_s * config_.stiffness_N_per_m * dt * p_;
+    const double K = config_.centring_stiffness_N_per_m;
+    weight_ -= config_.integral_per_s * K * dt * p_;
+    return weight_ - K * p_ - config_.centring_damping_Ns_per_m * v_;
   }
   return weight_ - config_.stiffness_N_per_m * p_ - config_.damping_Ns_per_m * v_;
 }

@@ -30,12 +30,14 @@ enum class DriveEnd : std::uint8_t {
 
 /// Plays periodic forces along one tool axis of an arm and keeps what it did, from rest to rest:
 ///
-///     F = −K (p − p_0) − B v + F_0 + r(t) e_axis,   p = J(q_0)(q − q_0),   τ = J(q_0)ᵀ F
+///     F = −K p − B v + F_0 + r(t) e_axis,   p = J(q_0)(q − q_0),   τ = J(q_0)ᵀ F + share · N(q)
 ///
 /// K and B are a weak loop that keeps the driven axis near its place and the other two out of the
-/// way. F_0 carries the weight: an integral finds it while the arm is centred, then it stays as it
-/// is. F is shortened to the largest force, which the record shows. A segment is one reference,
-/// played a few periods until the motion repeats itself, then for the periods that are kept.
+/// way. F_0 carries the weight: while the arm is centred, with a stiffer loop, an integral finds
+/// it; then it stays as it is. Weight that changes with the posture acts like a spring, for a
+/// PHANToM along z a negative one of 2.6 N/m; the share of N(q) takes it out of the response. F is
+/// shortened to the largest force, which the record shows. A segment is one reference, played a few
+/// periods until the motion repeats itself, then for the periods that are kept.
 ///
 /// Beyond its bounds the drive drops the reference and brakes with the weak loop; a device fault
 /// ends it with zero torque at once. At the end the force fades, torque is zero, amplifiers are
@@ -49,10 +51,13 @@ class PeriodicDrive {
     double rate_Hz = 10000.0;
     double stiffness_N_per_m = 20.0;  ///< K
     double damping_Ns_per_m = 1.0;    ///< B
-    double integral_per_s = 1.0;      ///< of K, while centring
-    double cutoff_Hz = 100.0;         ///< of the velocity in the weak loop
+    double centring_stiffness_N_per_m = 100.0;
+    double centring_damping_Ns_per_m = 3.0;
+    double integral_per_s = 4.0;  ///< of the stiffness, while centring
+    double cutoff_Hz = 100.0;     ///< of the velocity in the weak loop
     double centring_s = 1.5;
-    double max_force_N = 3.0;
+    double gravity_share = 0.0;  ///< of the model's N(q) that is carried besides
+    double max_force_N = 5.0;
     double max_travel_m = 0.005;  ///< from where it began, every axis
     double max_speed_m_per_s = 1.0;
   };

@@ -21,6 +21,7 @@ constexpr Effort kRehearsal{.share = 0.5};
 PeriodicDrive::Config drive_config(const ResponseExperiment& experiment) {
   return {.axis = experiment.axis,
           .rate_Hz = experiment.rate_Hz,
+          .gravity_share = experiment.gravity_share,
           .max_force_N = experiment.max_force_N,
           .max_travel_m = experiment.max_travel_m};
 }
