@@ -14,7 +14,7 @@ namespace {
 constexpr double kCrossing_s = 0.8;  ///< from one reference to the next
 constexpr double kSettle_s = 1.5;
 constexpr double kWatch_s = 0.2;
-constexpr double kFade_s = 0.3;
+constexpr double kFade_s = 0.05;    ///< short: an arm with weight falls meanwhile
 constexpr double kRest_m = 0.5e-3;  ///< moving less than this in kWatch_s is rest
 
 }  // namespace
@@ -115,8 +115,9 @@ bool PeriodicDrive::must_end() const noexcept {
 
 void PeriodicDrive::begin(const ArmState& state) noexcept {
   begun_ = true;
-  q_0_ = state.q;
-  J_ = linear_jacobian(model_, state.q);
+  q_0_ = config_.q_0.value_or(state.q);
+  J_ = linear_jacobian(model_, q_0_);
+  start_m_ = (J_ * (state.q - q_0_)).norm();
 }
 
 void PeriodicDrive::observe(const ArmState& state, const Tick& tick) noexcept {
@@ -130,13 +131,19 @@ void PeriodicDrive::observe(const ArmState& state, const Tick& tick) noexcept {
 }
 
 void PeriodicDrive::check(const ArmState& state) noexcept {
-  outcome_.largest_travel_m = std::max(outcome_.largest_travel_m, p_.cwiseAbs().maxCoeff());
+  const double travel = p_.cwiseAbs().maxCoeff();
   outcome_.largest_speed_m_per_s = std::max(outcome_.largest_speed_m_per_s, v_.norm());
+  double limit = config_.max_travel_m;
+  if (phase_ == Phase::centring) {
+    limit += 2.0 * start_m_;
+  } else {
+    outcome_.largest_travel_m = std::max(outcome_.largest_travel_m, travel);
+  }
   if (phase_ != Phase::centring && phase_ != Phase::playing) return;
   if (stop_.load(std::memory_order_relaxed)) brake(DriveEnd::interrupted);
   if (state.has(ArmFlag::torque_cut)) brake(DriveEnd::torque_cut);
   if (v_.norm() > config_.max_speed_m_per_s) brake(DriveEnd::speed);
-  if (p_.cwiseAbs().maxCoeff() > config_.max_travel_m) brake(DriveEnd::travel);
+  if (travel > limit) brake(DriveEnd::travel);
 }
 
 void PeriodicDrive::brake(DriveEnd why) noexcept {

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -56,7 +57,8 @@ class PeriodicDrive {
     double integral_per_s = 4.0;  ///< of the stiffness, while centring
     double cutoff_Hz = 100.0;     ///< of the velocity in the weak loop
     double centring_s = 1.5;
-    double gravity_share = 0.0;  ///< of the model's N(q) that is carried besides
+    std::optional<JointVector> q_0{};  ///< where to centre; absent: where it stands
+    double gravity_share = 0.0;        ///< of the model's N(q) that is carried besides
     double max_force_N = 5.0;
     double max_travel_m = 0.005;  ///< from where it began, every axis
     double max_speed_m_per_s = 1.0;
@@ -88,6 +90,7 @@ class PeriodicDrive {
   [[nodiscard]] Next step(Arm& arm, const Tick& tick) noexcept;
 
   [[nodiscard]] const Outcome& outcome() const noexcept { return outcome_; }
+  [[nodiscard]] const JointVector& centre() const noexcept { return q_0_; }
   /// What a drive takes besides its segments, s.
   [[nodiscard]] static double overhead_s(const Config& config) noexcept;
 
@@ -132,6 +135,7 @@ class PeriodicDrive {
   std::uint64_t just_missed_ = 0;
   bool begun_ = false;
   JointVector q_0_ = JointVector::Zero();
+  double start_m_ = 0.0;  ///< how far from its place it began
   Matrix3 J_ = Matrix3::Identity();
   Vector3 p_ = Vector3::Zero();
   Vector3 v_ = Vector3::Zero();

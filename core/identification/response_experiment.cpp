@@ -26,18 +26,6 @@ PeriodicDrive::Config drive_config(const ResponseExperiment& experiment) {
           .max_travel_m = experiment.max_travel_m};
 }
 
-PeriodicDrive run(const ResponseExperiment& experiment,
-                  const ArmModel& model,
-                  std::vector<PeriodicDrive::Segment> segments,
-                  std::pair<Arm&, Clock&> device,
-                  const std::atomic<bool>& stop) {
-  PeriodicDrive drive{drive_config(experiment), model, std::move(segments), stop};
-  const Duration period{std::llround(1e9 / experiment.rate_Hz)};
-  run_periodically(device.second, period,
-                   [&](const Tick& tick) noexcept { return drive.step(device.first, tick); });
-  return drive;
-}
-
 FrequencyResponse stepped_response(const ResponseExperiment& experiment,
                                    const LineGrid& grid,
                                    const std::vector<PeriodicRecord>& records,
@@ -111,8 +99,14 @@ ResponseMeasurement measure_response(const ResponseExperiment& experiment,
   Random random{experiment.seed};
   const LineGrid grid = grid_of(experiment, random);
   ResponseMeasurement result;
+  PeriodicDrive::Config config = drive_config(experiment);
+  const Duration period{std::llround(1e9 / experiment.rate_Hz)};
   const auto drive_through = [&](std::vector<PeriodicDrive::Segment> segments) {
-    const PeriodicDrive drive = run(experiment, model, std::move(segments), {arm, clock}, stop);
+    PeriodicDrive drive{config, model, std::move(segments), stop};
+    run_periodically(clock, period,
+                     [&](const Tick& tick) noexcept { return drive.step(arm, tick); });
+    // An arm with weight sinks between drives: all of them are to be at the place of the first.
+    config.q_0 = drive.centre();
     result.drives.push_back(drive.outcome());
     std::vector<PeriodicRecord> records = drive.records();
     if (drive.outcome().end != DriveEnd::done) records.clear();
@@ -126,7 +120,7 @@ ResponseMeasurement measure_response(const ResponseExperiment& experiment,
     answer = answer_of(grid, records.front());
   }
   const RecordInfo info{.rate_Hz = experiment.rate_Hz,
-                        .count_m = count(arm.info(), model, arm.read().q, experiment.axis)};
+                        .count_m = count(arm.info(), model, *config.q_0, experiment.axis)};
   if (experiment.excitation == Excitation::stepped_sine) {
     records = drive_through(stepped_segments(experiment, grid, answer, info.count_m, random));
     FrequencyResponse response = stepped_response(experiment, grid, records, info);
