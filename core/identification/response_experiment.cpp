@@ -15,8 +15,9 @@ namespace teleop {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr Effort kPilot{.share = 0.35};
-constexpr Effort kRehearsal{.share = 0.5};
+// Four periods: a late loop may cost two of them.
+constexpr Effort kPilot{.periods = 4, .share = 0.35};
+constexpr Effort kRehearsal{.periods = 4, .share = 0.5};
 
 PeriodicDrive::Config drive_config(const ResponseExperiment& experiment) {
   return {.axis = experiment.axis,
