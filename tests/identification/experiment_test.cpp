@@ -47,6 +47,23 @@ TEST(PlantedResponse, CoulombFrictionIsFlaggedAndBendsNothingByMoreThanFivePerce
   EXPECT_LE(bias.cwiseAbs().maxCoeff(), 0.05) << bias.transpose();
 }
 
+TEST(MeasureResponse, StatesTheErrorsOfItsLinesEvenWhereRoundingRepeatsEveryPeriod) {
+  PlantedArm planted{612};
+  planted.config.quantum_m = 45e-6;
+  planted.config.noise_std_m = 1e-7;  // no dither: all periods are rounded alike
+  const ResponseMeasurement measurement = measure(planted, {});
+  ASSERT_TRUE(measurement.response.has_value());
+  const MechanicalFamily family{.form = planted.form};
+  Linearised system = family(family.pack(planted.truth));
+  system.derivatives.clear();
+  const MeasuredResponse data = measured(*measurement.response);
+  const ComplexResponse truth = sampled_response(system, {.period_s = 1e-4}, data.frequency_Hz);
+  const double ratio =
+      ((data.value - truth.value).cwiseAbs().array() / data.deviation.array()).square().mean();
+  EXPECT_GT(ratio, 0.7);
+  EXPECT_LT(ratio, 1.4);
+}
+
 TEST(MeasureResponse, OfASteppedSineIsThatOfTheMechanism) {
   const PlantedArm planted{613};
   const ResponseMeasurement measurement =
