@@ -15,9 +15,8 @@ constexpr double kLightest_kg = 0.02;
 constexpr double kForceShare = 0.8;     ///< of the limit
 constexpr double kTravelShare = 0.7;    ///< of the limit
 constexpr double kSettle_s = 2.0;       ///< the holding loop forgets the start by e⁻¹⁰ or so
-constexpr double kCarrierCounts = 8.0;  ///< amplitude of each slow line beside a small sine
+constexpr double kCarrierCounts = 8.0;  ///< amplitude of each slow line beside a sine
 constexpr std::size_t kCarriers = 5;
-constexpr double kSmallCounts = 10.0;  ///< amplitudes below this need it
 
 std::size_t samples_of(const ResponseExperiment& experiment) {
   return static_cast<std::size_t>(std::lround(experiment.rate_Hz * experiment.period_s));
@@ -186,10 +185,6 @@ std::vector<PeriodicDrive::Segment> stepped_segments(const ResponseExperiment& e
     const double size =
         std::min(std::max(room, 0.1 * experiment.max_force_N) / answer.force_N(at),
                  0.5 * kTravelShare * experiment.max_travel_m / answer.position_m(at));
-    if (size * answer.position_m(at) >= kSmallCounts * count_m) {
-      lines.clear();
-      sizes.clear();
-    }
     lines.push_back(grid.excited[index]);
     sizes.emplace_back(size);
     segments.push_back({.reference_N = periodic_signal(grid.samples, lines, sizes),

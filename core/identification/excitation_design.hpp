@@ -67,8 +67,8 @@ struct Effort {
 [[nodiscard]] std::vector<std::size_t> stepped_lines(const ResponseExperiment& experiment,
                                                      const LineGrid& grid);
 
-/// The slow lines that go with a sine which would move the encoder by a few counts only: rounding
-/// then acts like noise.
+/// The slow lines that go with every sine: alone it is rounded alike in every turn, and a small one
+/// not seen at all; with them rounding acts like noise.
 [[nodiscard]] std::span<const std::size_t> carriers_of(const LineGrid& grid);
 
 /// A sine a line, as large as force and travel bear.

@@ -222,17 +222,20 @@ ResponseLine estimate_sine(const PeriodicRecord& record,
   const auto residual = [&](std::size_t at) {
     return std::norm(s.mean_Y(at) - gain * s.mean_U(at));
   };
+  const auto is_carrier = [&](std::size_t k) {
+    return std::find(carriers.begin(), carriers.end(), k) != carriers.end();
+  };
   double around = 0.0;
   double count = 0.0;
   for (std::size_t k = line > kReach ? line - kReach : line % 2; k <= line + kReach; k += 2) {
-    const bool driven = std::find(carriers.begin(), carriers.end(), k) != carriers.end();
-    if (k == 0 || k == line || k > last || driven) continue;
+    if (k == 0 || k == line || k > last || is_carrier(k)) continue;
     around += residual(k);
     count += 1.0;
   }
   double odd = 0.0;
   double even = 0.0;
   for (std::size_t harmonic = 2; harmonic <= 5 && harmonic * line <= last; ++harmonic) {
+    if (is_carrier(harmonic * line)) continue;
     const double power = std::norm(s.mean_Y(harmonic * line)) - rounding_power(info, samples);
     (harmonic % 2 == 0 ? even : odd) += std::max(0.0, power);
   }

@@ -34,14 +34,17 @@ FrequencyResponse stepped_response(const ResponseExperiment& experiment,
   FrequencyResponse response;
   const std::vector<std::size_t> lines = stepped_lines(experiment, grid);
   double spurious = 0.0;
+  double whole = 0.0;
   for (std::size_t i = 0; i < records.size(); ++i) {
     if (records[i].force_N.cols() < 2) continue;
     response.lines.push_back(
         estimate_sine(records[i], grid.excited[lines[i]], carriers_of(grid), info));
-    spurious = std::max(spurious, response.lines.back().distortion);
+    const ResponseLine& line = response.lines.back();
+    spurious += std::norm(line.distortion * line.gain);
+    whole += std::norm(line.gain);
   }
-  response.distortion = spurious;
-  response.distorted = spurious > kDistorted;
+  response.distortion = whole > 0.0 ? std::sqrt(spurious / whole) : 0.0;
+  response.distorted = response.distortion > kDistorted;
   return response;
 }
 
