@@ -18,5 +18,6 @@ void add_logs(CLI::App& app, Action& action);
 void add_velocity(CLI::App& app, Action& action);
 void add_effects(CLI::App& app, Action& action);
 void add_bench(CLI::App& app, Action& action);
+void add_frequency_response(CLI::App& app, Action& action);
 
 }  // namespace teleop
