@@ -39,6 +39,26 @@ std::optional<double> dip_of(double h, const Course& f) noexcept {
 
 }  // namespace
 
+Plant::Rates Plant::rates(const ArmModel& arm, const Config& config) noexcept {
+  // Half of the inertia at home bounds it from below over the workspace.
+  const auto& lumped = arm.lumped();
+  const double l1 = arm.parameters().l1_m;
+  const double l2 = arm.parameters().l2_m;
+  const double mass = std::min(lumped.M22 / (l1 * l1), lumped.M33 / (l2 * l2)) / 2.0;
+  const double inertia = std::min(lumped.M22, lumped.M33) / 2.0;
+  Rates fastest{
+      .always = config.hand ? config.hand->rate(mass) : 0.0,
+      .contact = config.contact ? config.contact->rate(mass) : 0.0,
+      .stops = std::max(std::sqrt(JointStops::kStiffness / inertia),
+                        JointStops::kDamping / inertia),
+  };
+  for (const JointFriction& friction : config.terms.friction) {
+    fastest.always = std::max({fastest.always, friction.viscous_forward / inertia,
+                               friction.viscous_backward / inertia});
+  }
+  return fastest;
+}
+
 Plant::Plant(const ArmModel& arm, const Config& config)
     : body_{arm, config.hand ? config.hand->config().mass_kg : 0.0},
       stops_{arm},
@@ -47,24 +67,13 @@ Plant::Plant(const ArmModel& arm, const Config& config)
       qd_{config.qd} {
   expects(config.max_step.count() > 0, "the longest step of a plant is positive");
   expects(q_.allFinite() && qd_.allFinite(), "a plant starts from a finite state");
-  // Half of the inertia at home bounds it from below over the workspace.
-  const auto& lumped = arm.lumped();
-  const double l1 = arm.parameters().l1_m;
-  const double l2 = arm.parameters().l2_m;
-  const double mass = std::min(lumped.M22 / (l1 * l1), lumped.M33 / (l2 * l2)) / 2.0;
-  const double inertia = std::min(lumped.M22, lumped.M33) / 2.0;
-  double rate = config.hand ? config.hand->rate(mass) : 0.0;
-  for (const JointFriction& friction : config.terms.friction) {
-    rate =
-        std::max({rate, friction.viscous_forward / inertia, friction.viscous_backward / inertia});
-  }
-  const auto step_for = [](double longest, double fastest) {
-    return fastest > 0.0 ? std::min(longest, kStepOverTimeConstant / fastest) : longest;
+  const Rates fastest = rates(arm, config);
+  const auto step_for = [](double longest, double rate) {
+    return rate > 0.0 ? std::min(longest, kStepOverTimeConstant / rate) : longest;
   };
-  calm_step_ = step_for(seconds(config.max_step), rate);
-  contact_step_ = config.contact ? step_for(calm_step_, config.contact->rate(mass)) : calm_step_;
-  stop_step_ = step_for(calm_step_, std::max(std::sqrt(JointStops::kStiffness / inertia),
-                                             JointStops::kDamping / inertia));
+  calm_step_ = step_for(seconds(config.max_step), fastest.always);
+  contact_step_ = step_for(calm_step_, fastest.contact);
+  stop_step_ = step_for(calm_step_, fastest.stops);
   settle();
 }
 

@@ -51,6 +51,14 @@ class Plant {
     Vector3 contact = Vector3::Zero();
   };
 
+  /// Fastest rates at which a plant can move, 1/s.
+  struct Rates {
+    double always = 0.0;   ///< hand and friction
+    double contact = 0.0;  ///< against the surface
+    double stops = 0.0;    ///< against a joint stop
+  };
+  [[nodiscard]] static Rates rates(const ArmModel& arm, const Config& config) noexcept;
+
   /// @pre max_step is positive and the state finite.
   Plant(const ArmModel& arm, const Config& config);
 
