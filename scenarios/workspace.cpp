@@ -1,19 +1,15 @@
 #include "scenarios/workspace.hpp"
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
-#include <memory>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
 #include "core/base/error.hpp"
 #include "core/model/workspace.hpp"
+#include "scenarios/gnuplot.hpp"
 #include "scenarios/output.hpp"
 #include "scenarios/workspace_picture.hpp"
 
@@ -23,23 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kMillimetres = 1000.0;
-
-fs::path folder(const std::string& name) {
-  const fs::path path{name.empty() ? "." : name};
-  std::error_code error;
-  fs::create_directories(path, error);
-  if (!fs::is_directory(path)) {
-    throw ConfigError{fmt::format("{}: not a folder and cannot be made one", path.string())};
-  }
-  return path;
-}
-
-void write_text(const fs::path& file, const std::string& text) {
-  std::ofstream out{file, std::ios::binary};
-  out << text;
-  out.close();
-  if (!out) throw ConfigError{fmt::format("{}: cannot be written", file.string())};
-}
 
 std::string table(const WorkspaceMap& map) {
   std::string text = "z_mm,y_mm,mu,reach\n";
@@ -85,46 +64,6 @@ nlohmann::json numbers(const ArmModel& arm, const WorkspaceMap& map) {
             {"share_at_least_half", map.share_half}}}};
 }
 
-std::string quoted(const std::string& text) {
-  std::string result = "'";
-  for (const char c : text) {
-    result += c == '\'' ? "'\\''" : std::string{c};
-  }
-  return result + "'";
-}
-
-struct Outcome {
-  int status = 0;       ///< exit code; 127: the shell found no such program
-  std::string message;  ///< what it printed
-};
-
-Outcome run_gnuplot(const fs::path& where) {
-  const std::string command =
-      "cd " + quoted(fs::absolute(where).string()) + " && exec gnuplot workspace.gp 2>&1";
-  // NOLINTNEXTLINE(cert-env33-c): the command is ours, its one variable part is quoted
-  std::FILE* pipe = popen(command.c_str(), "re");
-  if (pipe == nullptr) return {.status = 126, .message = "no process could be started"};
-  Outcome outcome;
-  std::array<char, 512> block{};
-  while (std::fgets(block.data(), static_cast<int>(block.size()), pipe) != nullptr) {
-    outcome.message += block.data();
-  }
-  const int status = pclose(pipe);
-  outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : 126;
-  return outcome;
-}
-
-bool draw(const ArmModel& arm, const WorkspaceMap& map, const fs::path& where) {
-  write_text(where / "workspace.gp", workspace_picture(arm, map));
-  const Outcome outcome = run_gnuplot(where);
-  if (outcome.status == 0) return true;
-  fmt::print(stderr, "workspace.png is not drawn: {}\n",
-             outcome.status == 127
-                 ? "gnuplot is not installed: apt-get install gnuplot-nox, then run again"
-                 : "gnuplot " + (where / "workspace.gp").string() + ": " + outcome.message);
-  return false;
-}
-
 }  // namespace
 
 int run_workspace(const WorkspaceOptions& options) {
@@ -138,13 +77,13 @@ int run_workspace(const WorkspaceOptions& options) {
         "{}: no grid point is within its stops: look at [limits], or take a smaller --step-mm",
         options.arm)};
   }
-  const fs::path where = folder(options.out);
+  const fs::path where = make_folder(options.out);
 
   write_text(where / "workspace.csv", table(map));
   const nlohmann::json json = numbers(arm, map);
   write_json(where / "workspace.json", json);
   if (!options.json.empty()) write_json(options.json, json);
-  const bool drawn = draw(arm, map, where);
+  const bool drawn = draw_with_gnuplot(where, "workspace", workspace_picture(arm, map));
 
   fmt::print(
       "{}: {:.0f} cm² in the plane x = 0, mu from {:.2f} to {:.2f}, median {:.2f}, "

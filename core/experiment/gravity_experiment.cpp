@@ -74,7 +74,7 @@ class GravityExperiment final : public Experiment {
       without.push_back(let_go(rig, pose, loose));
     }
     (void)rig.move_to(JointVector::Zero(), 1.0, 0.2);
-    if (context.figures != nullptr) draw(poses, with, without, *context.figures);
+    if (context.figures != nullptr) draw(with, without, *context.figures);
     return results_of(poses, with, without, rig.fault());
   }
 
@@ -146,33 +146,22 @@ class GravityExperiment final : public Experiment {
     return 1e3 * std::sqrt(sum / static_cast<double>(drifts.size()));
   }
 
-  static void draw(const std::vector<Pose>& poses,
-                   const std::vector<Drift>& with,
+  static void draw(const std::vector<Drift>& with,
                    const std::vector<Drift>& without,
                    std::vector<Figure>& figures) {
     Figure over_time{.name = "drift",
                      .title = "Drift of the tool after it was let go at rest, every pose",
                      .x_label = "time (s)",
                      .y_label = "drift (mm)"};
-    Figure over_distance{.name = "drift_by_distance",
-                         .title = "Drift by distance from home",
-                         .x_label = "distance from home (mm)",
-                         .y_label = "drift at the end of the look (mm)",
-                         .curves = {{.label = "without compensation", .marks = true},
-                                    {.label = "with compensation", .marks = true}}};
-    for (std::size_t i = 0; i < poses.size(); ++i) {
+    for (std::size_t i = 0; i < with.size(); ++i) {
       over_time.curves.push_back(
           {.label = i == 0 ? "without compensation" : "", .points = without[i].course});
-      over_distance.curves[0].points.emplace_back(1e3 * poses[i].distance_m,
-                                                  1e3 * without[i].end_m);
-      over_distance.curves[1].points.emplace_back(1e3 * poses[i].distance_m, 1e3 * with[i].end_m);
     }
-    for (std::size_t i = 0; i < poses.size(); ++i) {
+    for (std::size_t i = 0; i < with.size(); ++i) {
       over_time.curves.push_back(
           {.label = i == 0 ? "with compensation" : "", .points = with[i].course});
     }
     figures.push_back(std::move(over_time));
-    figures.push_back(std::move(over_distance));
   }
 
   int directions_ = 8;
