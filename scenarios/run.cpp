@@ -48,7 +48,8 @@ std::string script_of(const Figure& figure) {
       "set terminal pngcairo size 1100,700 font \"Sans,14\" noenhanced\nset output \"{0}.png\"\n"
       "set datafile separator \",\"\nset title \"{1}\"\nset xlabel \"{2}\"\nset ylabel \"{3}\"\n"
       "set grid lt 1 lc rgb \"#dddddd\"\nset border 3\nset tics nomirror\n"
-      "set autoscale fix\nset bmargin 5.5\nset key outside bottom center horizontal\nset offsets 0,0,graph 0.05,graph 0.03\nplot ",
+      "set autoscale fix\nset bmargin 5.5\nset key outside bottom center horizontal\nset offsets "
+      "0,0,graph 0.05,graph 0.03\nplot ",
       figure.name, gnuplot_text(figure.title), gnuplot_text(figure.x_label),
       gnuplot_text(figure.y_label));
   // Curves of one family share a colour; its first curve carries the label.
@@ -57,12 +58,11 @@ std::string script_of(const Figure& figure) {
     const Figure::Curve& curve = figure.curves[i];
     if (!curve.label.empty()) ++family;
     const char* colour = family % 2 == 1 ? "#c1440e" : "#1f5fa8";
-    fmt::format_to(std::back_inserter(script),
-                   "{}\"{}.csv\" index {} using 1:2 with {} lc rgb \"{}\" {}",
-                   i == 0 ? "" : ", \\\n  ", figure.name, i,
-                   curve.marks ? "points pt 7 ps 1.2" : "lines lw 2", colour,
-                   curve.label.empty() ? "notitle"
-                                       : fmt::format("title \"{}\"", gnuplot_text(curve.label)));
+    fmt::format_to(
+        std::back_inserter(script), "{}\"{}.csv\" index {} using 1:2 with {} lc rgb \"{}\" {}",
+        i == 0 ? "" : ", \\\n  ", figure.name, i, curve.marks ? "points pt 7 ps 1.2" : "lines lw 2",
+        colour,
+        curve.label.empty() ? "notitle" : fmt::format("title \"{}\"", gnuplot_text(curve.label)));
   }
   return script + "\n";
 }
@@ -133,9 +133,8 @@ std::vector<Override> overrides_of(const std::vector<std::string>& settings) {
     if (equals == std::string::npos) {
       throw ConfigError{fmt::format("--set {}: must be KEY=VALUE", setting)};
     }
-    overrides.push_back({.key = setting.substr(0, equals),
-                         .value = setting.substr(equals + 1),
-                         .origin = "--set"});
+    overrides.push_back(
+        {.key = setting.substr(0, equals), .value = setting.substr(equals + 1), .origin = "--set"});
   }
   return overrides;
 }

@@ -52,8 +52,8 @@ class ProgressLine {
     const double elapsed_s = std::chrono::duration<double>(now - begin_).count();
     const auto finished = static_cast<double>(done - done_before_);
     const double left_s = elapsed_s / finished * static_cast<double>(total - done);
-    const std::string line =
-        fmt::format("{} of {} points, {:.1f} s, about {:.0f} s left", done, total, elapsed_s, left_s);
+    const std::string line = fmt::format("{} of {} points, {:.1f} s, about {:.0f} s left", done,
+                                         total, elapsed_s, left_s);
     const bool terminal = isatty(STDERR_FILENO) != 0;
     if (terminal) {
       fmt::print(stderr, "\r\033[K{}{}", line, done == total ? "\n" : "");
@@ -95,14 +95,14 @@ bool run_while_listening(std::atomic<bool>& asked, Body&& body) {
 int report(const SweepPlan& plan,
            const SweepStore& store,
            const SweepOptions& options,
-           double elapsed_s) {
+           std::size_t ran) {
   const std::size_t missing = store.missing().size();
   if (!options.json.empty()) {
     write_json(options.json, {{"folder", store.folder().string()},
                               {"points", plan.size()},
                               {"finished", store.lines().size()},
                               {"missing", missing},
-                              {"seconds", elapsed_s},
+                              {"ran", ran},
                               {"fingerprint", plan.fingerprint()},
                               {"results", (store.folder() / "results.jsonl").string()}});
   }
@@ -132,21 +132,20 @@ int run_sweep_verb(const SweepOptions& options) {
   SweepStore store{folder_of(options), plan, shard};
   std::atomic<bool> asked{false};
   ProgressLine line{store.lines().size()};
-  const SweepControl control{
-      .stop = &asked, .progress = [&line](std::size_t done, std::size_t total) {
-        line.show(done, total);
-      }};
+  const SweepControl control{.stop = &asked,
+                             .progress = [&line](std::size_t done, std::size_t total) {
+                               line.show(done, total);
+                             }};
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
-  const auto begin = WallClock::now();
+  const std::size_t before = store.lines().size();
   const bool complete = run_while_listening(asked, [&] {
     return arm != nullptr
                ? run_sweep_on_arm(plan, store, {.arm = *arm, .clock = clock}, control)
                : run_sweep(plan, store, options.jobs == 0 ? cores : options.jobs, control);
   });
-  const double elapsed_s = std::chrono::duration<double>(WallClock::now() - begin).count();
   bool drawn = true;
   if (complete && shard.n == 1) drawn = draw_sweep(plan, store);
-  const int code = report(plan, store, options, elapsed_s);
+  const int code = report(plan, store, options, store.lines().size() - before);
   return code == 0 && !drawn ? 1 : code;
 }
 
@@ -170,7 +169,7 @@ int merge_sweeps(const SweepOptions& options) {
   }
   store.sort();
   const bool drawn = draw_sweep(plan, store);
-  const int code = report(plan, store, options, 0.0);
+  const int code = report(plan, store, options, 0);
   return code == 0 && !drawn ? 1 : code;
 }
 

@@ -6,12 +6,12 @@
 namespace teleop {
 
 struct SweepOptions {
-  std::string scenario;             ///< file or name in the catalogue
-  std::string out;                  ///< folder; empty: NAME-sweep
-  std::string json;                 ///< summary for scripts
+  std::string scenario;  ///< file or name in the catalogue
+  std::string out;       ///< folder; empty: NAME-sweep
+  std::string json;      ///< summary for scripts
   std::string shard = "1/1";
-  unsigned jobs = 0;                ///< 0: one a core
-  bool yes = false;                 ///< starts a real arm without asking; needs `force`
+  unsigned jobs = 0;  ///< 0: one a core
+  bool yes = false;   ///< starts a real arm without asking; needs `force`
   bool force = false;
   std::vector<std::string> shards;  ///< of a merge: the folders
 };

@@ -66,8 +66,8 @@ Scale scale_of(const SweepPlan& plan, std::size_t axis) {
   for (std::size_t i = 0; i < plan.size(); ++i) {
     all.push_back(plan.value(axis, i).json);
     scale.numeric = scale.numeric && Json::parse(all.back()).is_number();
-    const bool known = std::find(scale.values.begin(), scale.values.end(), all.back()) !=
-                       scale.values.end();
+    const bool known =
+        std::find(scale.values.begin(), scale.values.end(), all.back()) != scale.values.end();
     if (!known) scale.values.push_back(all.back());
   }
   if (scale.numeric) {
@@ -145,11 +145,8 @@ std::string line_picture(const std::string& name, const Scale& x, const Column& 
 }
 
 /// The steps of both axes side by side as coloured cells, or marks where two axes make no grid.
-std::string map_picture(const std::string& name,
-                        const Scale& x,
-                        const Scale& y,
-                        const Column& column,
-                        bool grid) {
+std::string map_picture(
+    const std::string& name, const Scale& x, const Scale& y, const Column& column, bool grid) {
   const Bounds bounds = bounds_of(column);
   const bool as_numbers = !grid && x.numeric && y.numeric;
   std::string script = head(name) + "$data << END\n";
@@ -198,9 +195,9 @@ bool draw_sweep(const SweepPlan& plan, const SweepStore& store) {
     const Bounds bounds = bounds_of(column);
     if (!(bounds.high > bounds.low)) continue;
     const bool grid = plan.method() == SweepPlan::Method::grid;
-    drawn = draw_with_gnuplot(store.folder(), name,
-                              two ? map_picture(name, x, y, column, grid)
-                                  : line_picture(name, x, column)) &&
+    drawn = draw_with_gnuplot(
+                store.folder(), name,
+                two ? map_picture(name, x, y, column, grid) : line_picture(name, x, column)) &&
             drawn;
   }
   return drawn;

@@ -12,9 +12,10 @@ void add_sweep(CLI::App& app, Action& action) {
   CLI::App* verb = app.add_subcommand(
       "sweep", "run a scenario over the values that its [sweep] table gives to keys");
   verb->add_option("scenario", options->scenario, "scenario file or a name of the catalogue");
-  verb->add_option("--out", options->out,
-                   "folder of the results; NAME-sweep when not given. Run again on the same folder, "
-                   "the sweep goes on where it was left");
+  verb->add_option(
+      "--out", options->out,
+      "folder of the results; NAME-sweep when not given. Run again on the same folder, "
+      "the sweep goes on where it was left");
   verb->add_option("--jobs", options->jobs, "points at a time; 0: one a core")
       ->check(CLI::Range(0, 1024));
   verb->add_option("--shard", options->shard, "i/N: only every N-th point, for N computers")

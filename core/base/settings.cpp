@@ -121,12 +121,12 @@ std::string allowed_instead(const std::vector<Setting>& settings, const std::str
                       setting.key.find('.', table.size()) == std::string::npos;
     if (same) names.push_back(setting.key);
   }
+  if (!names.empty() && !table.empty()) return fmt::format("{}", fmt::join(names, ", "));
+  names.clear();
   for (const Setting& setting : settings) {
     const std::size_t dot = setting.key.find('.');
-    if (!names.empty() && !table.empty()) break;
-    const std::string name = dot == std::string::npos
-                                 ? setting.key
-                                 : fmt::format("[{}]", setting.key.substr(0, dot));
+    const std::string name =
+        dot == std::string::npos ? setting.key : fmt::format("[{}]", setting.key.substr(0, dot));
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   }
   return fmt::format("{}", fmt::join(names, ", "));
@@ -174,10 +174,10 @@ Setting& Settings::find(const std::string& key, const std::string& place) {
       closest = &setting;
     }
   }
-  throw ConfigError{
-      fmt::format("{}: unknown key '{}'; {}", place, key,
-                  closest == nullptr ? "allowed: " + allowed_instead(settings_, key)
-                                     : fmt::format("did you mean '{}'?", closest->key))};
+  throw ConfigError{fmt::format("{}: unknown key '{}'; {}", place, key,
+                                closest == nullptr
+                                    ? "allowed: " + allowed_instead(settings_, key)
+                                    : fmt::format("did you mean '{}'?", closest->key))};
 }
 
 void Settings::load(const fs::path& file) {
@@ -207,11 +207,9 @@ void Settings::load_text(std::string_view text,
   const auto walk = [&](const auto& self, const toml::table& table,
                         const std::string& prefix) -> void {
     for (const auto& [key, node] : table) {
-      const bool foreign =
-          prefix.empty() && std::find(others.begin(), others.end(), key.str()) != others.end();
-      if (foreign) continue;
       const std::string full =
           prefix.empty() ? std::string{key.str()} : prefix + '.' + std::string{key.str()};
+      if (std::find(others.begin(), others.end(), full) != others.end()) continue;
       if (const toml::table* inner = node.as_table()) {
         self(self, *inner, full);
         continue;

@@ -51,8 +51,8 @@ class Settings {
   ///         out of range.
   void load(const std::filesystem::path& file);
 
-  /// The same for TOML text; `name` stands for the file in messages. Keys outside any table and
-  /// tables that are named in `others` belong to another reader and are passed over.
+  /// The same for TOML text; `name` stands for the file in messages. Keys and tables that
+  /// are named in `others`, dotted, belong to another reader and are passed over.
   void load_text(std::string_view toml,
                  const std::string& name,
                  std::span<const std::string_view> others = {});

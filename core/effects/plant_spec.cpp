@@ -148,7 +148,8 @@ void add_settings(Settings& settings, const std::string& prefix, PlantSpec& plan
                                                        parameter.standard.value_or(0.0));
       settings.add(fmt::format("{}{}.{}{}{}.{}", prefix, kEffectTables, effect.kind, nth, axis,
                                parameter.name),
-                   &place.first->second, fmt::format("{}, {}", parameter.text, parameter.unit), parameter.range);
+                   &place.first->second, fmt::format("{}, {}", parameter.text, parameter.unit),
+                   parameter.range);
     }
   }
 }

@@ -79,10 +79,10 @@ ArmRig::Ending ArmRig::move_to(const JointVector& q, double length_s, double set
     if (!from) from = turn.q;
     const double u = turn.t_s < length_s ? turn.t_s / length_s : 1.0;
     const JointVector way = q - *from;
-    return servo_.step(turn.q, turn.qd,
-                       {.q = *from + minimum_jerk(u) * way,
-                        .qd = u < 1.0 ? JointVector{minimum_jerk_rate(u) / length_s * way}
-                                      : JointVector::Zero()});
+    return servo_.step(
+        turn.q, turn.qd,
+        {.q = *from + minimum_jerk(u) * way,
+         .qd = u < 1.0 ? JointVector{minimum_jerk_rate(u) / length_s * way} : JointVector::Zero()});
   });
 }
 

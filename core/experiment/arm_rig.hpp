@@ -57,8 +57,7 @@ class ArmRig {
   /// Runs a law for so long: law(const ArmTurn&) gives the joint torques, or nothing to end.
   template <class Law>
   Ending run(double length_s, Law&& law) noexcept {
-    static_assert(
-        std::is_nothrow_invocable_r_v<std::optional<JointVector>, Law&, const ArmTurn&>);
+    static_assert(std::is_nothrow_invocable_r_v<std::optional<JointVector>, Law&, const ArmTurn&>);
     Ending ending = fault_ == Fault::none ? Ending::time_over : Ending::fault;
     if (ending == Ending::fault) return ending;
     clock_.sleep_until(next_);

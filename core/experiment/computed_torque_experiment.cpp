@@ -96,8 +96,8 @@ class ComputedTorqueExperiment final : public Experiment {
       const ComputedTorque::JointMotion motion = swing.at(t);
       const Reach reach = check_limits(model, motion.q);
       if (reach != Reach::ok) {
-        scenario.refuse("run.amplitude_rad", "the motion leaves the workspace: " +
-                                                 std::string{text_of(reach)});
+        scenario.refuse("run.amplitude_rad",
+                        "the motion leaves the workspace: " + std::string{text_of(reach)});
       }
       if (motion.qd.cwiseAbs().maxCoeff() > rig_.max_joint_speed_rad_per_s) {
         scenario.refuse("run.frequency_Hz",
@@ -124,13 +124,13 @@ class ComputedTorqueExperiment final : public Experiment {
     });
     (void)rig.move_to(JointVector::Zero(), 0.5, 0.2);
     if (context.figures != nullptr) {
-      context.figures->push_back({.name = "tracking",
-                                  .title = "Tracking error of the tool on the same fast motion",
-                                  .x_label = "time (s)",
-                                  .y_label = "error (mm)",
-                                  .curves = {{.label = "plain PD", .points = plain.error},
-                                             {.label = "computed torque",
-                                              .points = computed.error}}});
+      context.figures->push_back(
+          {.name = "tracking",
+           .title = "Tracking error of the tool on the same fast motion",
+           .x_label = "time (s)",
+           .y_label = "error (mm)",
+           .curves = {{.label = "plain PD", .points = plain.error},
+                      {.label = "computed torque", .points = computed.error}}});
     }
     return results_of(computed, plain, rig.fault());
   }
@@ -146,8 +146,7 @@ class ComputedTorqueExperiment final : public Experiment {
     const std::uint64_t cut_before = rig.cut_turns();
     (void)rig.run(seconds_, [&](const ArmTurn& turn) noexcept -> std::optional<JointVector> {
       const ComputedTorque::JointMotion desired = swing.at(turn.t_s);
-      const double error =
-          (tool_position(model, desired.q) - tool_position(model, turn.q)).norm();
+      const double error = (tool_position(model, desired.q) - tool_position(model, turn.q)).norm();
       const bool room = tracking.error.size() < tracking.error.capacity();
       if (room) tracking.error.emplace_back(turn.t_s, 1e3 * error);
       if (turn.t_s > kFade_s) {
@@ -173,14 +172,11 @@ class ComputedTorqueExperiment final : public Experiment {
     };
     std::optional<double> ratio;
     if (computed.rms_m() && plain.rms_m()) ratio = *plain.rms_m() / *computed.rms_m();
-    return {{"error_rms_mm", rms_mm(computed), "mm"},
-            {"error_peak_mm", 1e3 * computed.peak_m, "mm"},
-            {"error_pd_rms_mm", rms_mm(plain), "mm"},
-            {"error_pd_peak_mm", 1e3 * plain.peak_m, "mm"},
-            {"pd_over_computed_torque", ratio, "1"},
-            {"cut_share", share(computed), "1"},
-            {"cut_pd_share", share(plain), "1"},
-            {"fault", static_cast<double>(fault), "number"}};
+    return {
+        {"error_rms_mm", rms_mm(computed), "mm"}, {"error_peak_mm", 1e3 * computed.peak_m, "mm"},
+        {"error_pd_rms_mm", rms_mm(plain), "mm"}, {"error_pd_peak_mm", 1e3 * plain.peak_m, "mm"},
+        {"pd_over_computed_torque", ratio, "1"},  {"cut_share", share(computed), "1"},
+        {"cut_pd_share", share(plain), "1"},      {"fault", static_cast<double>(fault), "number"}};
   }
 
   double seconds_ = 4.0;

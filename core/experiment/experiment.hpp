@@ -82,8 +82,8 @@ class Experiment {
 struct ExperimentKind {
   std::string_view name{};
   std::string_view text{};
-  int arms = 1;            ///< 2: the scenario may give the slave a plant of its own
-  bool hardware = false;   ///< it also runs on an arm that is reached through the port
+  int arms = 1;           ///< 2: the scenario may give the slave a plant of its own
+  bool hardware = false;  ///< it also runs on an arm that is reached through the port
   std::unique_ptr<Experiment> (*make)() = nullptr;
 };
 

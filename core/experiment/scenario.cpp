@@ -1,7 +1,6 @@
 #include "core/experiment/scenario.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 
@@ -15,9 +14,6 @@
 
 namespace teleop {
 namespace {
-
-/// Tables that other readers than the list of settings take.
-constexpr std::array<std::string_view, 3> kOthers{"plant", "slave_plant", "sweep"};
 
 toml::table parse(const ScenarioText& text) {
   try {
@@ -68,12 +64,23 @@ std::optional<PlantSpec> plant_of(const ScenarioText& text,
   return at_place(place, [&] { return load_plant(*name); });
 }
 
+/// What other readers than the list of settings take: the sweep, effects, and plants that are named
+/// or replaced instead of written out.
+std::vector<std::string_view> others_in(const toml::table& root,
+                                        const std::vector<Override>& overrides) {
+  std::vector<std::string_view> others{"sweep", "plant.effect", "slave_plant.effect"};
+  for (const char* key : {"plant", "slave_plant"}) {
+    if (!root[key].is_table() || last_of(overrides, key) != nullptr) others.emplace_back(key);
+  }
+  return others;
+}
+
 }  // namespace
 
 ScenarioText read_scenario(const std::string& name) {
   namespace fs = std::filesystem;
-  const fs::path file =
-      data_file(name.ends_with(".toml") ? fs::path{name} : fs::path{"catalogue"} / (name + ".toml"));
+  const fs::path file = data_file(
+      name.ends_with(".toml") ? fs::path{name} : fs::path{"catalogue"} / (name + ".toml"));
   return {.toml = read_text(file, "scenario"), .file = file.string()};
 }
 
@@ -90,7 +97,7 @@ Scenario::Scenario(const ScenarioText& text, const std::vector<Override>& overri
   add_settings(settings_, "plant.", plant_);
   if (slave_has_own_) add_settings(settings_, "slave_plant.", slave_plant_);
 
-  settings_.load_text(text.toml, text.file, kOthers);
+  settings_.load_text(text.toml, text.file, others_in(parse(text), overrides));
   for (const Override& each : overrides) {
     if (each.key == "plant" || each.key == "slave_plant") continue;
     settings_.set(each.key, each.value, each.origin);
@@ -102,8 +109,7 @@ Scenario::Scenario(const ScenarioText& text, const std::vector<Override>& overri
   experiment_->check(*this);
 }
 
-void Scenario::choose_experiment(const ScenarioText& text,
-                                 const std::vector<Override>& overrides) {
+void Scenario::choose_experiment(const ScenarioText& text, const std::vector<Override>& overrides) {
   if (const Override* other = last_of(overrides, "experiment")) {
     kind_ = at_place(other->origin, [&] { return &find_experiment(other->value); });
   } else {
@@ -141,8 +147,7 @@ void Scenario::choose_plants(const ScenarioText& text, const std::vector<Overrid
 void Scenario::refuse(const std::string& key, const std::string& why) const {
   for (const Setting& setting : settings_.list()) {
     if (setting.key == key) {
-      throw ConfigError{
-          fmt::format("{}: {} = {}: {}", setting.origin, key, setting.value(), why)};
+      throw ConfigError{fmt::format("{}: {} = {}: {}", setting.origin, key, setting.value(), why)};
     }
   }
   throw ConfigError{fmt::format("{}: {}", key, why)};
@@ -153,10 +158,9 @@ void check_integrator(const Scenario& scenario,
                       const std::string& prefix,
                       const Surroundings& surroundings) {
   constexpr double kStableOnTheRealAxis = 2.785;
-  const Plant::Rates rates =
-      Plant::rates(load_arm(plant.arm), {.terms = terms_of(plant.effects),
-                                         .hand = surroundings.hand,
-                                         .contact = surroundings.contact});
+  const Plant::Rates rates = Plant::rates(load_arm(plant.arm), {.terms = terms_of(plant.effects),
+                                                                .hand = surroundings.hand,
+                                                                .contact = surroundings.contact});
   const double fastest = std::max(rates.always, rates.contact);
   const double step_s = 1e-3 * plant.integration.max_step_ms;
   if (step_s * fastest <= kStableOnTheRealAxis) return;

@@ -129,9 +129,9 @@ void read_range(const Table& table, SweepTable::Axis& axis) {
                                                *from, *to));
   }
   if (axis.axis.logarithmic && *from <= 0.0) {
-    table.refuse(*table.get("from"),
-                 fmt::format("sweep.axis.from = {}: must be more than 0 where spacing is log",
-                             *from));
+    table.refuse(
+        *table.get("from"),
+        fmt::format("sweep.axis.from = {}: must be more than 0 where spacing is log", *from));
   }
   axis.range = true;
   axis.from = *from;
@@ -194,8 +194,8 @@ SweepTable read_sweep_table(const ScenarioText& text) {
   table.allow({"method", "points", "seed", "seeds", "axis", "rest"});
   SweepTable sweep;
   sweep.place = table.place();
-  sweep.method = static_cast<SweepPlan::Method>(
-      table.choice("method", {"grid", "list", "latin_hypercube"}));
+  sweep.method =
+      static_cast<SweepPlan::Method>(table.choice("method", {"grid", "list", "latin_hypercube"}));
   sweep.points = table.whole("points", 1).value_or(0);
   sweep.seed = static_cast<std::uint64_t>(table.whole("seed", 0).value_or(1));
   sweep.same_seed = table.choice("seeds", {"own", "same"}) == 1;

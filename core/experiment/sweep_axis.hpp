@@ -11,7 +11,7 @@ namespace teleop {
 /// The [sweep] table as it was read, values not yet spread over points.
 struct SweepTable {
   struct Axis {
-    SweepAxis axis{};   ///< its values where the file lists them
+    SweepAxis axis{};  ///< its values where the file lists them
     bool range = false;
     double from = 0.0;
     double to = 0.0;

@@ -40,8 +40,8 @@ struct SweepRest {
 ///     values = [1, 2, 4]       # or from = 1, to = 4, points = 3, spacing = "linear" or "log"
 ///
 /// Everything random in point i grows from the scenario's seed and i alone, so that no result
-/// depends on order, jobs or shards. With seeds = "same" every point has the scenario's own seed; an
-/// axis over the key "seed" sets it.
+/// depends on order, jobs or shards. With seeds = "same" every point has the scenario's own seed;
+/// an axis over the key "seed" sets it.
 class SweepPlan {
  public:
   enum class Method : std::uint8_t { grid, list, latin_hypercube };

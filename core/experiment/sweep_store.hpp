@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/time.hpp"
 #include "core/experiment/sweep_plan.hpp"
 
 namespace teleop {
@@ -22,8 +23,10 @@ struct SweepShard {
 ///
 ///     sweep.toml      the file as it was when the sweep began
 ///     sweep.json      its fingerprint, number of points, shard
-///     results.jsonl   a line a point {index, seed, keys{…}, results{…}}, on disk before the next
-///                     point begins; in the order of finishing, at the end in that of the index
+///     results.jsonl   a line a point {index, seed, keys{…}, results{…}}, with the system before
+///     the
+///                     next point begins, on the disk within a second or with the next point; in
+///                     the order of finishing, at the end in that of the index
 ///     results.csv     the same as a table
 ///
 /// A process killed at any time loses no finished point: opened again, a torn last line is cut off
@@ -70,6 +73,7 @@ class SweepStore {
   SweepShard shard_;
   int lock_ = -1;
   int results_ = -1;
+  Instant synced_{};  ///< when the disk last had everything
   std::vector<std::string> columns_;
   std::map<std::size_t, std::string> lines_;
 };

@@ -100,8 +100,8 @@ class TeleopExperiment final : public Experiment {
       const bool paired = turn > 0 && coupled(master, slave) && coupled(pair->master(), slave);
       if (paired) {
         const Vector3 p_m = 0.5 * (master.p_m + pair->master().p_m) - master.reference_m;
-        const Vector3 e = law.wanted_slave({.displacement = p_m}).displacement -
-                          (slave.p_m - slave.reference_m);
+        const Vector3 e =
+            law.wanted_slave({.displacement = p_m}).displacement - (slave.p_m - slave.reference_m);
         sums.error.add(e.norm());
         sums.force.add(slave.coupling_N.norm());
         if (turn % every == 0) {

@@ -49,12 +49,12 @@ Plant::Rates Plant::rates(const ArmModel& arm, const Config& config) noexcept {
   Rates fastest{
       .always = config.hand ? config.hand->rate(mass) : 0.0,
       .contact = config.contact ? config.contact->rate(mass) : 0.0,
-      .stops = std::max(std::sqrt(JointStops::kStiffness / inertia),
-                        JointStops::kDamping / inertia),
+      .stops =
+          std::max(std::sqrt(JointStops::kStiffness / inertia), JointStops::kDamping / inertia),
   };
   for (const JointFriction& friction : config.terms.friction) {
-    fastest.always = std::max({fastest.always, friction.viscous_forward / inertia,
-                               friction.viscous_backward / inertia});
+    fastest.always = std::max(
+        {fastest.always, friction.viscous_forward / inertia, friction.viscous_backward / inertia});
   }
   return fastest;
 }
