@@ -62,6 +62,24 @@ double speed(const SweepPlan& plan, unsigned jobs) {
   return static_cast<double>(plan.size()) / elapsed.count();
 }
 
+/// Seconds that so many threads need for the same piece of arithmetic each.
+double spin(unsigned threads) {
+  const auto begin = std::chrono::steady_clock::now();
+  std::vector<std::thread> workers;
+  for (unsigned i = 0; i < threads; ++i) {
+    workers.emplace_back([] {
+      volatile double x = 1.0;
+      for (int k = 0; k < 100'000'000; ++k) {
+        x = x * 1.000'000'1;
+      }
+    });
+  }
+  for (std::thread& worker : workers) {
+    worker.join();
+  }
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
 }  // namespace
 
 /// The same sweep on two cores and on one, in turns, so that what else the machine does meets both.
@@ -83,8 +101,11 @@ int bench_sweep(const BenchOptions& options) {
     one.push_back(one_first ? first : second);
     two.push_back(one_first ? second : first);
     ratios.push_back(two.back() / one.back());
-    fmt::print(stderr, "pair {}: {:.1f} points/s on one core, {:.1f} on two, ratio {:.3f}\n",
-               ratios.size(), one.back(), two.back(), ratios.back());
+    // What bare arithmetic gains tells whether the machine has a second core to give just now.
+    fmt::print(stderr,
+               "pair {}: {:.1f} points/s on one core, {:.1f} on two, ratio {:.3f}; the machine "
+               "itself {:.3f}\n",
+               ratios.size(), one.back(), two.back(), ratios.back(), 2.0 * spin(1) / spin(2));
   } while (std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() <
            options.seconds);
   report_rows({{.id = "sweep_scaling",

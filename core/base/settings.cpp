@@ -164,10 +164,12 @@ void Settings::add(std::string key, Setting::Target target, std::string text, Ra
 }
 
 Setting& Settings::find(const std::string& key, const std::string& place) {
-  const Setting* closest = nullptr;
-  std::size_t best = 4;
   for (Setting& setting : settings_) {
     if (setting.key == key) return setting;
+  }
+  const Setting* closest = nullptr;
+  std::size_t best = 4;
+  for (const Setting& setting : settings_) {
     const std::size_t distance = edit_distance(setting.key, key);
     if (distance < best) {
       best = distance;

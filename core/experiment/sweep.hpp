@@ -26,7 +26,8 @@ struct SweepControl {
                              unsigned jobs,
                              const SweepControl& control);
 
-/// The same on one arm reached through its port: one point at a time, rest before each. A point
+/// The same on one arm reached through its port: one point at a time, rest before each
+/// unless the arm is computed. A point
 /// that ends with a fault is kept and ends the sweep, so that somebody looks before it goes on.
 /// @returns whether every point has a result.
 /// @throws DeviceError when the arm does not come to rest or stays too hot.

@@ -50,6 +50,17 @@ void add_plants(const Scenario& scenario, Fingerprint& fingerprint) {
   }
 }
 
+/// Files that a scenario names besides, such as the trace of a hand.
+void add_files(const Scenario& scenario, Fingerprint& fingerprint) {
+  for (const Setting& setting : scenario.settings().list()) {
+    const auto* const* text = std::get_if<std::string*>(&setting.target);
+    std::error_code error;
+    if (text != nullptr && std::filesystem::is_regular_file(**text, error)) {
+      fingerprint.add(read_text(**text, "file"));
+    }
+  }
+}
+
 bool is_whole(const Scenario& scenario, const std::string& key) {
   const auto& list = scenario.settings().list();
   return std::any_of(list.begin(), list.end(), [&](const Setting& setting) {
@@ -161,6 +172,7 @@ SweepPlan::SweepPlan(ScenarioText text) : text_{std::move(text)} {
   fingerprint.add(kVersion);
   fingerprint.add(text_.toml);
   add_plants(base, fingerprint);
+  add_files(base, fingerprint);
   for (std::size_t index = 0; index < size_; ++index) {
     const Scenario scenario{text_, overrides(index)};
     if (plants_are_swept) add_plants(scenario, fingerprint);

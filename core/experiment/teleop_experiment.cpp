@@ -82,7 +82,11 @@ class TeleopExperiment final : public Experiment {
       scenario.refuse("run.network_delay_ms",
                       "packets would always be older than supervisor.link_timeout_ms allows");
     }
-    SimulatedPair pair{config_of(scenario)};
+    // The parts of a station look at their own configuration when they are made.
+    const PositionError law{station_.law, Role::slave};
+    const Supervisor supervisor{station_.supervisor, law, 1};
+    const Limiter limiter{station_.limits};
+    const DifferenceVelocity velocity{station_.velocity};
   }
 
   [[nodiscard]] Results run(const Scenario& scenario, ExperimentContext& context) const override {
