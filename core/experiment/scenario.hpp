@@ -105,7 +105,8 @@ struct Surroundings {
 };
 
 /// Refuses a plant whose integrator cannot keep up with its fastest part: the classical Runge–Kutta
-/// method of order 4 is stable on the real axis as long as step × rate ≤ 2.785.
+/// method of order 4 is stable on the real axis as long as step × rate ≤ 2.785
+/// [Hairer 1996, section IV.2].
 /// `prefix` is that of the plant's keys.
 /// @throws ConfigError naming integration.max_step_ms and the longest step that will do.
 void check_integrator(const Scenario& scenario,

@@ -35,6 +35,7 @@ struct SweepRest {
 ///     [sweep]
 ///     method = "grid"          # every combination; "list": the first values of all axes, then
 ///                              # the second …; "latin_hypercube": `points` spread evenly
+///                              // [McKay 1979]
 ///     [[sweep.axis]]
 ///     key = "law.scale"        # or keys = ["…", "…"], which move together
 ///     values = [1, 2, 4]       # or from = 1, to = 4, points = 3, spacing = "linear" or "log"
