@@ -245,6 +245,9 @@ TEST(Sweep, GoesOnWhereItWasLeftAndCutsATornLine) {
     SweepStore store{torn, plan, {}};
     const auto lines = std::count(whole.begin(), whole.begin() + static_cast<long>(length), '\n');
     EXPECT_EQ(store.missing().size(), plan.size() - static_cast<std::size_t>(lines));
+    const std::string kept = contents(torn / "results.jsonl");
+    EXPECT_EQ(std::count(kept.begin(), kept.end(), '\n'), lines);
+    EXPECT_TRUE(kept.empty() || kept.back() == '\n') << "the torn end is still there";
     std::size_t ran = 0;
     const SweepControl control{.progress = [&ran](std::size_t, std::size_t) {
       ++ran;
