@@ -18,16 +18,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Points of some tenths of a second, as sweeps of teleoperation have them.
+/// So many points that the last one, alone on its core, does not count.
 constexpr const char* kSweep = R"(experiment = "teleop"
 [run]
-seconds = 30.0
+seconds = 10.0
 [sweep]
 [[sweep.axis]]
 keys = ["law.stiffness_master_N_per_m", "law.stiffness_slave_N_per_m"]
 from = 300
 to = 1200
-points = 16
+points = 48
 )";
 
 /// A folder of its own that goes with the run.
