@@ -1,21 +1,20 @@
 #include "scenarios/run.hpp"
 
 #include <algorithm>
-#include <csignal>
+#include <atomic>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <iterator>
 #include <memory>
-#include <thread>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.hpp"
 #include "core/device/device.hpp"
-#include "core/program/stop_signal.hpp"
 #include "scenarios/gnuplot.hpp"
+#include "scenarios/listening.hpp"
 #include "scenarios/output.hpp"
 
 namespace teleop {
@@ -93,37 +92,6 @@ nlohmann::ordered_json json_of(const Scenario& scenario, const Results& results)
   return json;
 }
 
-bool faulty(const Results& results) {
-  return std::any_of(results.begin(), results.end(), [](const Result& result) {
-    return result.name.ends_with("fault") && result.value.value_or(0.0) != 0.0;
-  });
-}
-
-/// Runs on a thread of its own, so that this one hears Ctrl-C and the arm still comes to rest.
-Results run_stoppably(const Scenario& scenario, ExperimentContext& context, bool& stopped) {
-  StopSignal stop;
-  std::atomic<bool> asked{false};
-  std::atomic<bool> done{false};
-  context.stop = &asked;
-  Results results;
-  std::exception_ptr error;
-  std::thread worker{[&] {
-    try {
-      results = scenario.run(context);
-    } catch (...) {
-      error = std::current_exception();
-    }
-    done = true;
-  }};
-  while (!done) {
-    if (stop.wait(std::chrono::milliseconds{20})) asked = true;
-  }
-  worker.join();
-  if (error) std::rethrow_exception(error);
-  stopped = asked;
-  return results;
-}
-
 }  // namespace
 
 std::vector<Override> overrides_of(const std::vector<std::string>& settings) {
@@ -176,9 +144,11 @@ int run_scenario(const RunOptions& options) {
     open.emplace(OpenArm{*arm, clock});
     context.arm = &*open;
   }
-  bool stopped = false;
-  const Results results = run_stoppably(scenario, context, stopped);
-  if (stopped) {
+  std::atomic<bool> asked{false};
+  context.stop = &asked;
+  Results results;
+  run_while_listening(asked, [&] { results = scenario.run(context); });
+  if (asked) {
     std::fputs("stopped before the end: no results\n", stderr);
     return 1;
   }
@@ -197,7 +167,7 @@ int run_scenario(const RunOptions& options) {
       drawn = draw_with_gnuplot(folder, figure.name, script_of(figure)) && drawn;
     }
   }
-  return faulty(results) || !drawn ? 1 : 0;
+  return has_fault(results) || !drawn ? 1 : 0;
 }
 
 }  // namespace teleop

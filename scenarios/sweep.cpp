@@ -1,10 +1,11 @@
 #include "scenarios/sweep.hpp"
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <thread>
 
 #include <fmt/format.h>
@@ -15,7 +16,7 @@
 #include "core/base/error.hpp"
 #include "core/device/device.hpp"
 #include "core/experiment/sweep.hpp"
-#include "core/program/stop_signal.hpp"
+#include "scenarios/listening.hpp"
 #include "scenarios/output.hpp"
 #include "scenarios/run.hpp"
 #include "scenarios/sweep_picture.hpp"
@@ -69,29 +70,6 @@ class ProgressLine {
   WallClock::time_point shown_ = begin_;
 };
 
-/// Runs `body` on a thread of its own while this one hears Ctrl-C. @returns what it returned.
-template <class Body>
-bool run_while_listening(std::atomic<bool>& asked, Body&& body) {
-  StopSignal stop;
-  std::atomic<bool> done{false};
-  bool result = false;
-  std::exception_ptr error;
-  std::thread worker{[&] {
-    try {
-      result = body();
-    } catch (...) {
-      error = std::current_exception();
-    }
-    done = true;
-  }};
-  while (!done) {
-    if (stop.wait(std::chrono::milliseconds{20})) asked = true;
-  }
-  worker.join();
-  if (error) std::rethrow_exception(error);
-  return result;
-}
-
 int report(const SweepPlan& plan,
            const SweepStore& store,
            const SweepOptions& options,
@@ -138,10 +116,11 @@ int run_sweep_verb(const SweepOptions& options) {
                              }};
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
   const std::size_t before = store.lines().size();
-  const bool complete = run_while_listening(asked, [&] {
-    return arm != nullptr
-               ? run_sweep_on_arm(plan, store, {.arm = *arm, .clock = clock}, control)
-               : run_sweep(plan, store, options.jobs == 0 ? cores : options.jobs, control);
+  bool complete = false;
+  run_while_listening(asked, [&] {
+    complete = arm != nullptr
+                   ? run_sweep_on_arm(plan, store, {.arm = *arm, .clock = clock}, control)
+                   : run_sweep(plan, store, options.jobs == 0 ? cores : options.jobs, control);
   });
   bool drawn = true;
   if (complete && shard.n == 1) drawn = draw_sweep(plan, store);

@@ -25,6 +25,9 @@ struct Result {
 };
 using Results = std::vector<Result>;
 
+/// Whether an arm had a fault: a number whose name ends in "fault" is not 0.
+[[nodiscard]] bool has_fault(const Results& results);
+
 /// Curves for a picture; x and y in the units of the labels.
 struct Figure {
   struct Curve {

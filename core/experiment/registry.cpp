@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
@@ -25,6 +26,12 @@ constexpr std::array kExperiments{
 }  // namespace
 
 std::span<const ExperimentKind* const> experiments() noexcept { return kExperiments; }
+
+bool has_fault(const Results& results) {
+  return std::any_of(results.begin(), results.end(), [](const Result& result) {
+    return result.name.ends_with("fault") && result.value.value_or(0.0) != 0.0;
+  });
+}
 
 const ExperimentKind& find_experiment(std::string_view name) {
   std::vector<std::string_view> names;

@@ -22,12 +22,6 @@ bool asked(const std::atomic<bool>* stop) noexcept {
   return stop != nullptr && stop->load(std::memory_order_relaxed);
 }
 
-bool faulty(const Results& results) {
-  return std::any_of(results.begin(), results.end(), [](const Result& result) {
-    return result.name.ends_with("fault") && result.value.value_or(0.0) != 0.0;
-  });
-}
-
 /// What the workers of one sweep share.
 struct Shared {
   const SweepPlan& plan;
@@ -105,7 +99,7 @@ bool run_sweep_on_arm(const SweepPlan& plan,
     if (asked(control.stop)) return false;
     store.add(index, results);
     if (control.progress) control.progress(store.lines().size(), total);
-    if (faulty(results)) return false;
+    if (has_fault(results)) return false;
   }
   store.sort();
   return true;
