@@ -15,6 +15,8 @@ using Action = std::function<int()>;
 void add_loopback(CLI::App& app, Action& action);
 void add_workspace(CLI::App& app, Action& action);
 void add_logs(CLI::App& app, Action& action);
+void add_velocity(CLI::App& app, Action& action);
+void add_effects(CLI::App& app, Action& action);
 void add_run(CLI::App& app, Action& action);
 void add_sweep(CLI::App& app, Action& action);
 void add_bench(CLI::App& app, Action& action);

@@ -1,6 +1,6 @@
-#include "core/effects/coulomb_friction.hpp"
-
 #include <array>
+
+#include "core/effects/kinds.hpp"
 
 namespace teleop {
 namespace {
@@ -8,7 +8,7 @@ namespace {
 constexpr std::array kParameters{
     EffectParameter{.name = "level",
                     .unit = "N m",
-                    .text = "torque that opposes motion",
+                    .text = "torque that keeps the joint at rest",
                     .range = kNotNegative},
     EffectParameter{.name = "asymmetry",
                     .unit = "1",
@@ -28,7 +28,8 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
 
 const EffectKind coulomb_friction{
     .name = "coulomb_friction",
-    .law = "f = -level (1 + asymmetry sgn(q')) sgn(q'), sticking in between at rest",
+    .law = "f = -level (1 + asymmetry sgn(m')) sgn(m'), sgn(0) = [-1, 1]",
+    .repeatable = true,
     .parameters = kParameters,
     .plug = plug,
 };

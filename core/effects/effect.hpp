@@ -32,14 +32,16 @@ struct EffectSpec {
 };
 
 /// One kind of physical effect: its name, its parameters and what it adds to the plant. Each kind
-/// is one file that defines one constant of this type; vocabulary.cpp lists them.
+/// is one file that defines one constant of this type; kinds.hpp and vocabulary.cpp list them.
 struct EffectKind {
   std::string_view name{};
   std::string_view law{};  ///< in text mathematics
   bool per_axis = true;
+  bool repeatable = false;  ///< several on one axis add up; else the second one is refused
   std::span<const EffectParameter> parameters{};
 
-  /// Adds the effect to the terms; `values` are in the order of `parameters`.
+  /// Adds the effect to the terms; `values` are in the order of `parameters` and in their ranges.
+  /// @throws ConfigError when they do not fit each other or what is there already.
   void (*plug)(PlantTerms& terms, std::size_t axis, std::span<const double> values) = nullptr;
 };
 

@@ -1,6 +1,6 @@
-#include "core/effects/viscous_friction.hpp"
-
 #include <array>
+
+#include "core/effects/kinds.hpp"
 
 namespace teleop {
 namespace {
@@ -28,7 +28,8 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
 
 const EffectKind viscous_friction{
     .name = "viscous_friction",
-    .law = "f = -coefficient (1 + asymmetry sgn(q')) q'",
+    .law = "f = -coefficient (1 + asymmetry sgn(m')) m'",
+    .repeatable = true,
     .parameters = kParameters,
     .plug = plug,
 };

@@ -8,15 +8,46 @@
 #include <fmt/ranges.h>
 
 #include "core/base/error.hpp"
-#include "core/effects/coulomb_friction.hpp"
-#include "core/effects/viscous_friction.hpp"
+#include "core/effects/kinds.hpp"
 
 namespace teleop {
 namespace {
 
 constexpr std::array kVocabulary{
+    &actuation_delay,
+    &torque_saturation,
+    &torque_deadzone,
+    &torque_gain,
+    &thermal_derating,
+    &amplifier_lag,
+    &torque_bias,
+    &torque_ripple,
+    &axis_coupling,
     &viscous_friction,
     &coulomb_friction,
+    &stribeck_friction,
+    &presliding_hysteresis,
+    &lugre_friction,
+    &transmission_compliance,
+    &backlash,
+    &tendon_compliance,
+    &cable_spring,
+    &payload,
+    &base_tilt,
+    &added_inertia,
+    &encoder_scale,
+    &encoder_eccentricity,
+    &sensor_delay,
+    &quadrature_error,
+    &sine_encoder,
+    &tool_accelerometer,
+    &time_base,
+    &joint_contact,
+    &hand_impedance,
+    &linear_amplifier,
+    &pwm_drive,
+    &brush_commutation,
+    &motor_heat,
 };
 
 template <class Named>
@@ -65,6 +96,18 @@ double value_of(const EffectSpec& effect, const EffectParameter& parameter) {
   return value;
 }
 
+void check_repeated(const EffectKind& kind,
+                    const EffectSpec& effect,
+                    std::span<const EffectSpec> before) {
+  if (kind.repeatable) return;
+  for (const EffectSpec& other : before) {
+    if (other.kind == effect.kind && other.axis == effect.axis) {
+      throw ConfigError{
+          fmt::format("{}: twice on the same axis; one of them must go", effect.kind)};
+    }
+  }
+}
+
 }  // namespace
 
 std::span<const EffectKind* const> vocabulary() noexcept { return kVocabulary; }
@@ -95,9 +138,11 @@ void check(const EffectSpec& effect) {
 
 PlantTerms terms_of(std::span<const EffectSpec> effects) {
   PlantTerms terms;
-  for (const EffectSpec& effect : effects) {
+  for (std::size_t i = 0; i < effects.size(); ++i) {
+    const EffectSpec& effect = effects[i];
     check(effect);
     const EffectKind& kind = find_effect(effect.kind);
+    check_repeated(kind, effect, effects.first(i));
     std::vector<double> values;
     for (const EffectParameter& parameter : kind.parameters) {
       values.push_back(value_of(effect, parameter));

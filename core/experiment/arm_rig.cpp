@@ -30,7 +30,7 @@ ArmRig::ArmRig(const Config& config, const Scenario& scenario, const ExperimentC
       arm_{context.arm != nullptr ? context.arm->arm : *simulated_arm_},
       model_{model_of(scenario, context)},
       period_{static_cast<std::int64_t>(1e9 / config.rate_Hz)},
-      velocity_{config.velocity},
+      velocity_{config.velocity, arm_.info().counts_per_rev},
       limiter_{config.limits},
       servo_{config.servo, model_},
       next_{clock_.now()} {}
@@ -41,7 +41,8 @@ void ArmRig::sense(const Tick& tick, Instant start) noexcept {
   const ArmState state = arm_.read();
   turn_.t_s = seconds(tick.due - start);
   turn_.q = state.q;
-  turn_.qd = velocity_.step(state.q, seconds(tick.elapsed));
+  turn_.qd = velocity_.step(
+      {.q = state.q, .period_ticks = state.period_ticks, .dt = seconds(tick.elapsed)});
   if (state.fault != Fault::none) {
     fault_ = state.fault;
   } else if (!turn_.q.allFinite() || !turn_.qd.allFinite()) {

@@ -10,7 +10,7 @@
 #include "core/base/settings.hpp"
 #include "core/control/computed_torque.hpp"
 #include "core/control/limiter.hpp"
-#include "core/estimation/velocity.hpp"
+#include "core/estimation/velocity_estimator.hpp"
 #include "core/experiment/experiment.hpp"
 #include "core/model/arm_model.hpp"
 #include "core/ports/arm.hpp"
@@ -38,7 +38,7 @@ class ArmRig {
     double rate_Hz = 1000.0;
     double max_joint_speed_rad_per_s = 20.0;  ///< beyond it a fault
     Limiter::Config limits{};
-    DifferenceVelocity::Config velocity{};
+    VelocityEstimator::Config velocity{};
     ComputedTorque::Config servo{};  ///< moves the arm between stretches
   };
 
@@ -105,7 +105,7 @@ class ArmRig {
   Arm& arm_;
   ArmModel model_;
   Duration period_;
-  DifferenceVelocity velocity_;
+  VelocityEstimator velocity_;
   Limiter limiter_;
   ComputedTorque servo_;
   Instant next_;

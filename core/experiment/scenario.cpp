@@ -158,15 +158,16 @@ void check_integrator(const Scenario& scenario,
                       const std::string& prefix,
                       const Surroundings& surroundings) {
   constexpr double kStableOnTheRealAxis = 2.785;
-  const Plant::Rates rates = Plant::rates(load_arm(plant.arm), {.terms = terms_of(plant.effects),
-                                                                .hand = surroundings.hand,
-                                                                .contact = surroundings.contact});
-  const double fastest = std::max(rates.always, rates.contact);
+  const Plant made{load_arm(plant.arm),
+                   {.terms = terms_of(plant.effects),
+                    .hand = surroundings.hand,
+                    .contact = surroundings.contact}};
+  const double fastest = made.fastest_rate();
   const double step_s = 1e-3 * plant.integration.max_step_ms;
   if (step_s * fastest <= kStableOnTheRealAxis) return;
   scenario.refuse(
       prefix + "integration.max_step_ms",
-      fmt::format("unstable: friction, hand or surface act at up to {:.4g} 1/s; at most {:.3g}",
+      fmt::format("unstable: effects, hand or surface act at up to {:.4g} 1/s; at most {:.3g}",
                   fastest, 1e3 * kStableOnTheRealAxis / fastest));
 }
 

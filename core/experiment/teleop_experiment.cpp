@@ -86,7 +86,9 @@ class TeleopExperiment final : public Experiment {
     const PositionError law{station_.law, Role::slave};
     const Supervisor supervisor{station_.supervisor, law, 1};
     const Limiter limiter{station_.limits};
-    const DifferenceVelocity velocity{station_.velocity};
+    const JointVector counts{
+        load_arm(scenario.plant().arm).parameters().encoder_counts_per_rev.data()};
+    const VelocityEstimator velocity{station_.velocity, counts};
   }
 
   [[nodiscard]] Results run(const Scenario& scenario, ExperimentContext& context) const override {

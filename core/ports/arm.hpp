@@ -20,6 +20,7 @@ enum class ArmFlag : std::uint32_t {
   has_temperatures = 1U << 4U,  ///< motor_temperature is measured
   has_tool_force = 1U << 5U,    ///< tool_force is measured (a simulated arm knows it exactly)
   has_period = 1U << 6U,        ///< period_ticks is measured
+  has_acceleration = 1U << 7U,  ///< tool_acceleration is measured
 };
 
 /// What a device says at one instant. Everything that the device does not measure stays zero and
@@ -34,6 +35,7 @@ struct ArmState {
   JointVector motor_temperature = JointVector::Zero();  ///< °C, casing
   Vector3 tool_force = Vector3::Zero();                 ///< force of hand and surroundings on the
                                                         ///< tool, in B, N
+  Vector3 tool_acceleration = Vector3::Zero();          ///< in B, m/s², weight not included
   std::uint32_t switches = 0;                           ///< bit 0: stylus button (clutch)
   std::uint32_t flags = 0;                              ///< ArmFlag bits
   Fault fault = Fault::none;                            ///< what the device itself found

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "core/base/error.hpp"
 #include "core/effects/vocabulary.hpp"
@@ -17,13 +18,15 @@ JointVector vector_of(const std::array<double, 3>& values) {
 
 Duration from_ms(double ms) { return Duration{static_cast<std::int64_t>(std::llround(ms * 1e6))}; }
 
-Plant make_plant(const SimulatedArm::Config& config, const ArmModel& model) {
+Plant make_plant(const SimulatedArm::Config& config,
+                 const ArmModel& model,
+                 const PlantTerms& terms) {
   const Reach reach = check_limits(model, config.q);
   if (reach != Reach::ok) {
     throw ConfigError{"simulated arm: cannot start there: " + std::string{text_of(reach)}};
   }
   return Plant{model,
-               {.terms = terms_of(config.plant.effects),
+               {.terms = terms,
                 .hand = make_hand(config.hand, model, tool_position(model, config.q), config.seed,
                                   config.hand_impedance),
                 .contact = config.contact,
@@ -47,10 +50,19 @@ ArmInfo info_of(const SimulatedArm::Config& config, const ArmModel& model) {
 }  // namespace
 
 SimulatedArm::SimulatedArm(const Config& config, Clock& clock)
+    : SimulatedArm{config, clock, load_arm(config.plant.arm), terms_of(config.plant.effects)} {}
+
+SimulatedArm::SimulatedArm(const Config& config,
+                           Clock& clock,
+                           const ArmModel& model,
+                           const PlantTerms& terms)
     : config_{config},
-      model_{load_arm(config.plant.arm)},
-      plant_{make_plant(config, model_)},
-      encoder_{vector_of(model_.parameters().encoder_counts_per_rev), config.q},
+      model_{model},
+      plant_{make_plant(config, model_, terms)},
+      sensing_{terms.sensing, vector_of(model_.parameters().encoder_counts_per_rev), config.q},
+      accelerometer_{terms.accelerometer},
+      time_ratio_{terms.time_ratio},
+      noise_{config.seed},
       info_{info_of(config, model_)},
       current_per_torque_{vector_of(model_.parameters().transmission_ratio)
                               .cwiseProduct(vector_of(model_.parameters().torque_constant_Nm_per_A))
@@ -61,8 +73,10 @@ SimulatedArm::SimulatedArm(const Config& config, Clock& clock)
       last_write_{started_},
       watchdog_{from_ms(config.plant.watchdog.timeout_ms)} {
   written_.fill(JointVector::Zero());
-  last_.counts = encoder_.counts();
-  last_.q = encoder_.angles();
+  info_.counts_per_rev = sensing_.counts_per_rev();
+  last_.stamp = started_;
+  last_.counts = sensing_.counts();
+  last_.q = sensing_.angles();
   for (const InjectedFault& fault : config.faults) {
     if (fault.axis >= kJoints) throw ConfigError{"simulated arm: a fault on an axis beyond 3"};
   }
@@ -83,7 +97,8 @@ void SimulatedArm::live_until(Instant now) noexcept {
       const bool ahead = fault.kind == FaultKind::unplugged && !unplugged_;
       if (ahead) next = std::clamp(started_ + fault.at, now_, next);
     }
-    plant_.advance(next - now_, &encoder_);
+    const auto lived = static_cast<double>((next - started_ - skipped_).count());
+    plant_.advance(Duration{std::llround(lived * time_ratio_)} - plant_.time(), &sensing_);
     now_ = next;
     for (const InjectedFault& fault : config_.faults) {
       unplugged_ = unplugged_ || (fault.kind == FaultKind::unplugged && is_due(fault));
@@ -135,10 +150,11 @@ ArmState SimulatedArm::read() noexcept {
   }
   ArmState state;
   state.stamp = now_;
-  state.counts = encoder_.counts();
-  state.q = config_.plant.sensing.quantised ? encoder_.angles() : plant_.q();
-  state.period_ticks = encoder_.period_ticks(seconds(plant_.time()));
-  state.motor_current = motor_torque_.cwiseProduct(current_per_torque_);
+  state.counts = sensing_.counts();
+  state.q = config_.plant.sensing.quantised ? sensing_.angles() : sensing_.exact_angles();
+  state.period_ticks = sensing_.period_ticks(seconds(plant_.time()));
+  read_motors(state);
+  read_accelerometer(state);
   const Plant::ToolForces forces = plant_.tool_forces();
   state.tool_force = forces.hand + forces.contact;
   state.set(ArmFlag::has_currents);
@@ -157,6 +173,32 @@ ArmState SimulatedArm::read() noexcept {
   std::copy_backward(written_.begin(), written_.end() - 1, written_.end());
   drive_motors();
   return state;
+}
+
+/// Currents, and the temperatures of casings where motors heat.
+void SimulatedArm::read_motors(ArmState& state) noexcept {
+  state.motor_current = motor_torque_.cwiseProduct(current_per_torque_);
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    const Motor& motor = plant_.motors()[i];
+    if (motor.acts()) state.motor_current[axis] = motor.current();
+    if (!motor.heats()) continue;
+    state.motor_temperature[axis] = motor.housing_C();
+    state.set(ArmFlag::has_temperatures);
+  }
+}
+
+void SimulatedArm::read_accelerometer(ArmState& state) noexcept {
+  if (!accelerometer_.fitted) return;
+  const double passed = seconds(now_ - last_.stamp);
+  const double share =
+      1.0 - std::exp(-2.0 * std::numbers::pi * accelerometer_.bandwidth_Hz * passed);
+  felt_ += share * (plant_.tool_acceleration() - felt_);
+  for (Eigen::Index i = 0; i < felt_.size(); ++i) {
+    const double reading = felt_[i] + accelerometer_.noise * noise_.normal();
+    state.tool_acceleration[i] = std::clamp(reading, -accelerometer_.range, accelerometer_.range);
+  }
+  state.set(ArmFlag::has_acceleration);
 }
 
 void SimulatedArm::inject_faults(ArmState& state) noexcept {
@@ -194,8 +236,14 @@ void SimulatedArm::amplifiers(bool on) noexcept {
 
 SimulatedArm::Truth SimulatedArm::true_state() noexcept {
   const Plant::ToolForces forces = plant_.tool_forces();
+  JointVector winding;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    winding[static_cast<Eigen::Index>(i)] = plant_.motors()[i].winding_C();
+  }
   return {.q = plant_.q(),
           .qd = plant_.qd(),
+          .torque = plant_.delivered_torque(),
+          .winding_C = winding,
           .p_BT = tool_position(model_, plant_.q()),
           .v_BT = linear_jacobian(model_, plant_.q()) * plant_.qd(),
           .hand_force = forces.hand,

@@ -11,11 +11,12 @@
 #include "core/effects/contact.hpp"
 #include "core/effects/hand.hpp"
 #include "core/effects/plant_spec.hpp"
+#include "core/math/random.hpp"
 #include "core/model/arm_model.hpp"
 #include "core/ports/arm.hpp"
 #include "core/realtime/clock.hpp"
-#include "core/simulation/encoder_edges.hpp"
 #include "core/simulation/plant.hpp"
+#include "core/simulation/sensing.hpp"
 
 namespace teleop {
 
@@ -25,9 +26,11 @@ namespace teleop {
 /// and the same calls at the same instants give the same bits.
 ///
 ///   reading   counts to the nearest step; period counter; currents i = τ / (N k_t); the true force
-///             on the tool. Temperatures are not modelled and not claimed.
+///             on the tool; casing temperatures where the plant's motors heat, acceleration of the
+///             tool where it carries an accelerometer.
 ///   writing   force limit (direction kept), torque limit of each motor, converter step; then held,
 ///             from the same instant or from a whole number of readings later.
+///   time      the plant's time is the clock's times the effect time_base.
 ///   watchdog  longer than its timeout without a write: torques are dropped, Fault::device_watchdog
 ///             until the amplifiers have been off.
 ///
@@ -51,7 +54,7 @@ class SimulatedArm final : public Arm {
     Hand::Config hand_impedance{};
     std::optional<Contact> contact{};
     std::vector<InjectedFault> faults{};
-    std::uint64_t seed = 1;               ///< of everything random: the motion of hand "reach"
+    std::uint64_t seed = 1;  ///< of everything random: hand "reach", noise of the accelerometer
     JointVector q = JointVector::Zero();  ///< where it starts, at rest
   };
 
@@ -59,6 +62,8 @@ class SimulatedArm final : public Arm {
   struct Truth {
     JointVector q = JointVector::Zero();
     JointVector qd = JointVector::Zero();
+    JointVector torque = JointVector::Zero();     ///< delivered by the motors, N m
+    JointVector winding_C = JointVector::Zero();  ///< where the motors heat
     Vector3 p_BT = Vector3::Zero();
     Vector3 v_BT = Vector3::Zero();
     Vector3 hand_force = Vector3::Zero();
@@ -84,8 +89,12 @@ class SimulatedArm final : public Arm {
   [[nodiscard]] const ArmModel& model() const noexcept { return model_; }
 
  private:
+  SimulatedArm(const Config& config, Clock& clock, const ArmModel& model, const PlantTerms& terms);
+
   void live_until(Instant now) noexcept;
   void drive_motors() noexcept;
+  void read_motors(ArmState& state) noexcept;
+  void read_accelerometer(ArmState& state) noexcept;
   [[nodiscard]] JointVector limited(const JointVector& tau) noexcept;
   void inject_faults(ArmState& state) noexcept;
   [[nodiscard]] bool is_due(const InjectedFault& fault) const noexcept;
@@ -93,7 +102,10 @@ class SimulatedArm final : public Arm {
   Config config_;
   ArmModel model_;
   Plant plant_;
-  EncoderEdges encoder_;
+  Sensing sensing_;
+  AccelerometerTerms accelerometer_;
+  double time_ratio_;
+  Random noise_;
   ArmInfo info_;
   JointVector current_per_torque_;
   Clock* clock_;
@@ -109,6 +121,7 @@ class SimulatedArm final : public Arm {
   bool starved_ = false;
   bool unplugged_ = false;
   bool cut_ = false;
+  Vector3 felt_ = Vector3::Zero();  ///< acceleration behind the accelerometer's filter
   ArmState last_{};
 };
 

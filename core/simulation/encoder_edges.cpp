@@ -18,36 +18,57 @@ double nearest(double x) noexcept {
 
 }  // namespace
 
-EncoderEdges::EncoderEdges(const JointVector& counts_per_rev, const JointVector& q) noexcept {
+EncoderEdges::EncoderEdges(const JointVector& counts_per_rev,
+                           const JointVector& q,
+                           const std::array<EdgeShifts, kJoints>& shifts) noexcept
+    : shifts_{shifts} {
   for (std::size_t i = 0; i < kJoints; ++i) {
     const auto joint = static_cast<Eigen::Index>(i);
     counts_per_rad_[i] = counts_per_rev[joint] / (2.0 * std::numbers::pi);
-    counts_[i] = static_cast<std::int32_t>(nearest(q[joint] * counts_per_rad_[i]));
+    counts_[i] = count_at(i, q[joint]);
   }
+}
+
+/// Where the count changes to the next one, in counts.
+double EncoderEdges::edge_above(std::size_t joint, std::int32_t count) const noexcept {
+  return static_cast<double>(count) + 0.5 + shifts_[joint][static_cast<std::uint32_t>(count) % 4];
+}
+
+std::int32_t EncoderEdges::count_at(std::size_t joint, double q) const noexcept {
+  const double x = q * counts_per_rad_[joint];
+  const auto count = static_cast<std::int32_t>(nearest(x));
+  if (shifts_[joint] == EdgeShifts{}) return count;
+  if (x > edge_above(joint, count)) return count + 1;
+  if (x < edge_above(joint, count - 1)) return count - 1;
+  return count;
 }
 
 void EncoderEdges::observe(const MotionPiece& piece) noexcept {
   for (std::size_t i = 0; i < kJoints; ++i) {
     const auto joint = static_cast<Eigen::Index>(i);
-    const double qd0 = piece.qd0[joint];
-    const double qd1 = piece.qd1[joint];
-    Run run{.t0 = piece.start_s,
-            .h = piece.duration_s,
-            .q0 = piece.q0[joint],
-            .qd0 = qd0,
-            .q1 = piece.q1[joint]};
-    if (qd0 * qd1 < 0.0) {
-      const double turn = run.h * qd0 / (qd0 - qd1);
-      const double q_turn = run.q0 + qd0 * turn / 2.0;
-      observe(i, {.t0 = run.t0, .h = turn, .q0 = run.q0, .qd0 = qd0, .q1 = q_turn});
-      run = {.t0 = run.t0 + turn, .h = run.h - turn, .q0 = q_turn, .qd0 = 0.0, .q1 = run.q1};
-    }
-    observe(i, run);
+    observe(i, {.start_s = piece.start_s,
+                .duration_s = piece.duration_s,
+                .q0 = piece.q0[joint],
+                .qd0 = piece.qd0[joint],
+                .q1 = piece.q1[joint],
+                .qd1 = piece.qd1[joint]});
   }
 }
 
-void EncoderEdges::observe(std::size_t joint, const Run& run) noexcept {
-  const auto count = static_cast<std::int32_t>(nearest(run.q1 * counts_per_rad_[joint]));
+void EncoderEdges::observe(std::size_t joint, const AxisPiece& piece) noexcept {
+  Run run{
+      .t0 = piece.start_s, .h = piece.duration_s, .q0 = piece.q0, .qd0 = piece.qd0, .q1 = piece.q1};
+  if (piece.qd0 * piece.qd1 < 0.0) {
+    const double turn = run.h * piece.qd0 / (piece.qd0 - piece.qd1);
+    const double q_turn = run.q0 + piece.qd0 * turn / 2.0;
+    run_through(joint, {.t0 = run.t0, .h = turn, .q0 = run.q0, .qd0 = run.qd0, .q1 = q_turn});
+    run = {.t0 = run.t0 + turn, .h = run.h - turn, .q0 = q_turn, .qd0 = 0.0, .q1 = run.q1};
+  }
+  run_through(joint, run);
+}
+
+void EncoderEdges::run_through(std::size_t joint, const Run& run) noexcept {
+  const std::int32_t count = count_at(joint, run.q1);
   const std::int32_t passed = count - counts_[joint];
   if (passed == 0) return;
   counts_[joint] = count;
@@ -62,9 +83,11 @@ void EncoderEdges::observe(std::size_t joint, const Run& run) noexcept {
     return run.t0 + std::clamp(t, 0.0, run.h);
   };
   Edges& edges = edges_[joint];
-  const double last = instant(static_cast<double>(count) - 0.5 * direction);
+  const std::int32_t below = passed > 0 ? count - 1 : count;
+  const double last = instant(edge_above(joint, below));
   const bool two = passed > 1 || passed < -1;
-  const double before = two ? instant(static_cast<double>(count) - 1.5 * direction) : edges.last_s;
+  const double before =
+      two ? instant(edge_above(joint, passed > 0 ? below - 1 : below + 1)) : edges.last_s;
   edges = {.last_s = last, .period_s = last - before, .direction = passed > 0 ? 1 : -1};
 }
 

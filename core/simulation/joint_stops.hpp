@@ -2,77 +2,81 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 
+#include "core/effects/plant_terms.hpp"
 #include "core/math/joint_vector.hpp"
 #include "core/model/arm_model.hpp"
 
 namespace teleop {
 
-/// The joint stops and the coupled stops of the parallelogram as springs and dampers that push and
-/// never pull: with p the angle past a stop, the torque back is max(0, k p + d ṗ).
+/// The joint stops, the coupled stops of the parallelogram and walls in single joints as springs
+/// and dampers that push and never pull: with p the angle past a stop, the torque back is max(0, k
+/// p + d ṗ).
 ///
-/// Assumed: k so stiff that the motors' full torque presses a stop in by less than 0.4 mrad; d
-/// about half of critical with a joint's inertia, so that the arm rebounds little. Loop:
-/// allocation-free, noexcept.
+/// Assumed for the arm's own stops: k so stiff that the motors' full torque presses a stop in by
+/// less than 0.4 mrad; d about half of critical with a joint's inertia, so that the arm rebounds
+/// little. Loop: allocation-free, noexcept.
 class JointStops {
  public:
-  static constexpr std::size_t kNumber = 8;
-  static constexpr double kStiffness = 5000.0;  ///< k, N m/rad
-  static constexpr double kDamping = 2.5;       ///< d, N m s/rad
+  static constexpr double kStiffness = 5000.0;  ///< k of the arm's own stops, N m/rad
+  static constexpr double kDamping = 2.5;       ///< d of them, N m s/rad
 
   /// Which of them push, a bit each.
   using Set = std::uint32_t;
 
-  explicit JointStops(const ArmModel& arm) {
+  /// @param stops whether the arm has its own
+  JointStops(const ArmModel& arm, bool stops, const ShortList<JointWall, 6>& walls) noexcept {
     const ArmParameters& limits = arm.parameters();
-    for (std::size_t i = 0; i < kJoints; ++i) {
-      limits_[2 * i] = -limits.lower_limit_rad.at(i);
-      limits_[2 * i + 1] = limits.upper_limit_rad.at(i);
+    if (stops) {
+      for (std::size_t i = 0; i < kJoints; ++i) {
+        add({.plus = i, .sign = -1.0, .limit = -limits.lower_limit_rad.at(i)});
+        add({.plus = i, .sign = 1.0, .limit = limits.upper_limit_rad.at(i)});
+      }
+      add({.plus = 1, .minus = 2, .limit = limits.max_q2_minus_q3_rad});
+      add({.plus = 2, .minus = 1, .limit = limits.max_q3_minus_q2_rad});
     }
-    limits_[6] = limits.max_q2_minus_q3_rad;
-    limits_[7] = limits.max_q3_minus_q2_rad;
+    for (const JointWall& wall : walls) {
+      add({.plus = wall.axis,
+           .sign = wall.side,
+           .limit = wall.side * wall.location,
+           .k = wall.stiffness,
+           .d = wall.damping});
+    }
   }
 
-  /// Past the stop and how fast; the same combination of angles and of speeds.
-  [[nodiscard]] double depth(std::size_t stop, const JointVector& q) const noexcept {
-    return along(stop, q) - limits_[stop];
-  }
-  [[nodiscard]] double depth_rate(std::size_t stop, const JointVector& qd) const noexcept {
-    return along(stop, qd);
-  }
-
-  /// Positive where the stop pushes; its zero is the instant of touching or leaving. In rad.
-  [[nodiscard]] double push_margin(std::size_t stop,
-                                   const JointVector& q,
-                                   const JointVector& qd) const noexcept {
-    const double p = depth(stop, q);
-    return std::min(p, p + kDamping / kStiffness * depth_rate(stop, qd));
-  }
+  [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
 
   [[nodiscard]] Set pushing(const JointVector& q, const JointVector& qd) const noexcept {
     Set set = 0;
-    for (std::size_t stop = 0; stop < kNumber; ++stop) {
-      if (push_margin(stop, q, qd) > 0.0) set |= Set{1} << stop;
+    for (std::size_t i = 0; i < size_; ++i) {
+      if (push_margin(stops_[i], q, qd) > 0.0) set |= Set{1} << i;
     }
     return set;
   }
 
-  /// Positive while exactly the stops of a set push.
+  /// Positive while exactly the stops of a set push; its zero is the instant of touching or
+  /// leaving.
   [[nodiscard]] double margin(Set set, const JointVector& q, const JointVector& qd) const noexcept {
-    double deepest = depth(0, q);
-    for (std::size_t stop = 1; stop < kNumber; ++stop) {
-      deepest = std::max(deepest, depth(stop, q));
-    }
-    if (set == 0 && deepest < 0.0) return -deepest;
+    if (const double p = deepest(q); set == 0 && p < 0.0) return -p;
     double least = std::numeric_limits<double>::infinity();
-    for (std::size_t stop = 0; stop < kNumber; ++stop) {
-      const double push = push_margin(stop, q, qd);
-      least = std::min(least, (set & (Set{1} << stop)) != 0 ? push : -push);
+    for (std::size_t i = 0; i < size_; ++i) {
+      const double push = push_margin(stops_[i], q, qd);
+      least = std::min(least, (set & (Set{1} << i)) != 0 ? push : -push);
     }
     return least;
+  }
+
+  /// How far the posture is past the stop that it is past most, rad.
+  [[nodiscard]] double deepest(const JointVector& q) const noexcept {
+    double most = -std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < size_; ++i) {
+      most = std::max(most, depth(stops_[i], q));
+    }
+    return most;
   }
 
   /// Torque of the stops of a set, not cut at zero: smooth between events.
@@ -80,51 +84,66 @@ class JointStops {
                                    const JointVector& q,
                                    const JointVector& qd) const noexcept {
     JointVector sum = JointVector::Zero();
-    for (std::size_t stop = 0; stop < kNumber; ++stop) {
-      if ((set & (Set{1} << stop)) == 0) continue;
-      const double push = kStiffness * depth(stop, q) + kDamping * depth_rate(stop, qd);
-      if (stop < 6) {
-        sum[static_cast<Eigen::Index>(stop / 2)] += stop % 2 == 0 ? push : -push;
-      } else {
-        sum[1] += stop == 6 ? -push : push;
-        sum[2] += stop == 6 ? push : -push;
-      }
+    for (std::size_t i = 0; i < size_; ++i) {
+      if ((set & (Set{1} << i)) == 0) continue;
+      const Stop& stop = stops_[i];
+      const double push = stop.k * depth(stop, q) + stop.d * rate(stop, qd);
+      sum[static_cast<Eigen::Index>(stop.plus)] -= stop.sign * push;
+      if (stop.minus != kNone) sum[static_cast<Eigen::Index>(stop.minus)] += push;
     }
     return sum;
   }
 
   [[nodiscard]] double stored_energy(const JointVector& q) const noexcept {
     double sum = 0.0;
-    for (std::size_t stop = 0; stop < kNumber; ++stop) {
-      const double p = std::max(depth(stop, q), 0.0);
-      sum += kStiffness * p * p / 2.0;
+    for (std::size_t i = 0; i < size_; ++i) {
+      const double p = std::max(depth(stops_[i], q), 0.0);
+      sum += stops_[i].k * p * p / 2.0;
     }
     return sum;
   }
 
- private:
-  [[nodiscard]] static double along(std::size_t stop, const JointVector& x) noexcept {
-    switch (stop) {
-      case 0:
-        return -x[0];
-      case 1:
-        return x[0];
-      case 2:
-        return -x[1];
-      case 3:
-        return x[1];
-      case 4:
-        return -x[2];
-      case 5:
-        return x[2];
-      case 6:
-        return x[1] - x[2];
-      default:
-        return x[2] - x[1];
+  /// Fastest rate at which an inertia moves against the stops of a set, 1/s.
+  [[nodiscard]] double fastest(Set set, double inertia) const noexcept {
+    double most = 0.0;
+    for (std::size_t i = 0; i < size_; ++i) {
+      if ((set & (Set{1} << i)) == 0) continue;
+      most = std::max({most, std::sqrt(stops_[i].k / inertia), stops_[i].d / inertia});
     }
+    return most;
   }
 
-  std::array<double, kNumber> limits_{};
+ private:
+  static constexpr std::size_t kNone = kJoints;
+
+  /// p = sign x_plus − x_minus − limit
+  struct Stop {
+    std::size_t plus = 0;
+    std::size_t minus = kNone;
+    double sign = 1.0;
+    double limit = 0.0;
+    double k = kStiffness;
+    double d = kDamping;
+  };
+
+  void add(const Stop& stop) noexcept { stops_[size_++] = stop; }
+
+  [[nodiscard]] static double rate(const Stop& stop, const JointVector& x) noexcept {
+    const double along = stop.sign * x[static_cast<Eigen::Index>(stop.plus)];
+    return stop.minus == kNone ? along : along - x[static_cast<Eigen::Index>(stop.minus)];
+  }
+  [[nodiscard]] static double depth(const Stop& stop, const JointVector& q) noexcept {
+    return rate(stop, q) - stop.limit;
+  }
+  [[nodiscard]] static double push_margin(const Stop& stop,
+                                          const JointVector& q,
+                                          const JointVector& qd) noexcept {
+    const double p = depth(stop, q);
+    return std::min(p, p + stop.d / stop.k * rate(stop, qd));
+  }
+
+  std::array<Stop, 14> stops_{};
+  std::size_t size_ = 0;
 };
 
 }  // namespace teleop

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/base/contract.hpp"
+#include "core/simulation/bristle.hpp"
 
 namespace teleop {
 namespace {
@@ -13,9 +14,8 @@ constexpr double kEventTolerance = 1e-12;  // s
 /// After so many events in one stretch of time the rest passes in steps of at most kCrowdedStep,
 /// whose events are taken at their ends, so that time goes on whatever happens.
 constexpr int kMaxEvents = 1000;
-constexpr double kCrowdedStep = 2e-5;  // s
-/// Share of the shortest time constant that a step may take: it errs 1e-5 of a vibration a step.
-constexpr double kStepOverTimeConstant = 0.25;
+constexpr double kCrowdedStep = 2e-5;   // s
+constexpr double kShortestStep = 1e-6;  // s, that a narrow friction peak asks for
 
 /// A quantity over a step: its values and slopes at both ends.
 struct Course {
@@ -39,166 +39,121 @@ std::optional<double> dip_of(double h, const Course& f) noexcept {
 
 }  // namespace
 
-Plant::Rates Plant::rates(const ArmModel& arm, const Config& config) noexcept {
-  // Half of the inertia at home bounds it from below over the workspace.
-  const auto& lumped = arm.lumped();
-  const double l1 = arm.parameters().l1_m;
-  const double l2 = arm.parameters().l2_m;
-  const double mass = std::min(lumped.M22 / (l1 * l1), lumped.M33 / (l2 * l2)) / 2.0;
-  const double inertia = std::min(lumped.M22, lumped.M33) / 2.0;
-  Rates fastest{
-      .always = config.hand ? config.hand->rate(mass) : 0.0,
-      .contact = config.contact ? config.contact->rate(mass) : 0.0,
-      .stops =
-          std::max(std::sqrt(JointStops::kStiffness / inertia), JointStops::kDamping / inertia),
-  };
-  for (const JointFriction& friction : config.terms.friction) {
-    fastest.always = std::max(
-        {fastest.always, friction.viscous_forward / inertia, friction.viscous_backward / inertia});
-  }
-  return fastest;
-}
-
-Plant::Plant(const ArmModel& arm, const Config& config)
-    : body_{arm, config.hand ? config.hand->config().mass_kg : 0.0},
-      stops_{arm},
-      config_{config},
-      q_{config.q},
-      qd_{config.qd} {
-  expects(config.max_step.count() > 0, "the longest step of a plant is positive");
-  expects(q_.allFinite() && qd_.allFinite(), "a plant starts from a finite state");
-  const Rates fastest = rates(arm, config);
-  const auto step_for = [](double longest, double rate) {
-    return rate > 0.0 ? std::min(longest, kStepOverTimeConstant / rate) : longest;
-  };
-  calm_step_ = step_for(seconds(config.max_step), fastest.always);
-  contact_step_ = step_for(calm_step_, fastest.contact);
-  stop_step_ = step_for(calm_step_, fastest.stops);
-  settle();
-}
-
 void Plant::set_torque(const JointVector& tau) noexcept {
   expects(tau.allFinite(), "motor torques are finite");
-  if (tau == tau_) return;
+  if (tau == tau_ && commanded_) return;
+  commanded_ = true;
   tau_ = tau;
+  chain_.command(tau);
   torque_is_new_ = true;
-}
-
-/// Torques that need neither tool nor hand.
-inline JointVector Plant::smooth_torque(const JointVector& q,
-                                        const JointVector& qd) const noexcept {
-  JointVector torque = tau_;
-  for (std::size_t i = 0; i < kJoints; ++i) {
-    const auto joint = static_cast<Eigen::Index>(i);
-    const JointFriction& friction = config_.terms.friction[i];
-    torque[joint] -= qd[joint] * (sliding_[i] == Sliding::backward ? friction.viscous_backward
-                                                                   : friction.viscous_forward);
-  }
-  if (stopped_ != 0) torque += stops_.torque(stopped_, q, qd);
-  return torque;
-}
-
-inline Vector3 Plant::tool_force(double s, const Look& at) const noexcept {
-  Vector3 force = Vector3::Zero();
-  if (config_.hand) force += config_.hand->pull(s, at.tool.p, at.tool.v);
-  if (touching_ && config_.contact) {
-    force += config_.contact->smooth_force(at.depth) * at.depth.normal;
-  }
-  return force;
-}
-
-template <bool kSettle>
-Plant::Look Plant::look(double s, const JointVector& q, const JointVector& qd) noexcept {
-  Look at;
-  at.angles = RigidBody::Angles{q};
-  const RigidBody::Inertia inertia = body_.inertia(at.angles, qd);
-  at.tool = body_.tool(at.angles, qd);
-  if (config_.contact) at.depth = config_.contact->depth(at.tool.p, at.tool.v);
-  if constexpr (kSettle) {
-    touching_ = config_.contact && config_.contact->push_margin(at.depth) > 0.0;
-    stopped_ = config_.stops ? stops_.pushing(q, qd) : 0;
-  }
-  const auto net = [&]() noexcept -> JointVector {
-    return smooth_torque(q, qd) + body_.torque(at.angles, tool_force(s, at)) - inertia.bias;
-  };
-  if constexpr (kSettle) {
-    for (std::size_t i = 0; i < kJoints; ++i) {
-      sliding_[i] = qd[static_cast<Eigen::Index>(i)] < 0.0 && config_.terms.friction[i].has_corner()
-                        ? Sliding::backward
-                        : Sliding::forward;
-    }
-    sliding_ = resolve_friction(inertia, config_.terms.friction, qd, net());
-  }
-  at.motion = accelerate(inertia, config_.terms.friction, net(), sliding_);
-  return at;
-}
-
-/// Acceleration at the present posture turned by `turn`: what a stage of a step needs of a look.
-inline JointVector Plant::acceleration(double s,
-                                       const JointVector& turn,
-                                       const JointVector& qd) const noexcept {
-  const RigidBody::Angles angles = now_.angles.turned(turn);
-  const RigidBody::Inertia inertia = body_.inertia(angles, qd);
-  JointVector net = smooth_torque(q_ + turn, qd) - inertia.bias;
-  if (config_.hand || touching_) {
-    Look at;
-    at.tool = body_.tool(angles, qd);
-    if (touching_ && config_.contact) at.depth = config_.contact->depth(at.tool.p, at.tool.v);
-    net += body_.torque(angles, tool_force(s, at));
-  }
-  return accelerate(inertia, config_.terms.friction, net, sliding_).qdd;
-}
-
-/// Least of the quantities that are positive while the present forms of the equation hold.
-double Plant::margin(const JointVector& q, const JointVector& qd, const Look& at) const noexcept {
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < kJoints; ++i) {
-    const JointFriction& friction = config_.terms.friction[i];
-    if (!friction.has_corner()) continue;
-    const auto joint = static_cast<Eigen::Index>(i);
-    if (sliding_[i] == Sliding::stuck) {
-      least = std::min({least, friction.dry_forward - at.motion.hold[joint],
-                        friction.dry_backward + at.motion.hold[joint]});
-    } else {
-      least = std::min(least, static_cast<double>(sliding_[i]) * qd[joint]);
-    }
-  }
-  if (config_.contact) {
-    const double push = config_.contact->push_margin(at.depth);
-    least = std::min(least, touching_ ? push : -push);
-  }
-  if (config_.stops) least = std::min(least, stops_.margin(stopped_, q, qd));
-  return least;
 }
 
 /// One step of Runge–Kutta from the present state; its first stage is the present look.
 Plant::Trial Plant::step(double h) noexcept {
   const double half = h / 2.0;
-  const JointVector& a1 = now_.motion.qdd;
-  const JointVector v2 = qd_ + half * a1;
-  const JointVector a2 = acceleration(s_ + half, half * qd_, v2);
-  const JointVector v3 = qd_ + half * a2;
-  const JointVector a3 = acceleration(s_ + half, half * v2, v3);
-  const JointVector v4 = qd_ + h * a3;
-  const JointVector a4 = acceleration(s_ + h, h * v3, v4);
+  const Rates& a1 = now_.rates;
+  const auto at = [&](const Stage& stage) noexcept {
+    return rates(stage, now_.angles.turned(stage.turn), nullptr);
+  };
+  Stage stage{.dt = half, .turn = half * qd_, .qd = qd_ + half * a1.qdd};
+  if (splits_) {
+    stage.drive_turn = half * md_;
+    stage.md = md_ + half * a1.mdd;
+  }
+  const Rates a2 = at(stage);
+  const JointVector v2 = stage.qd;
+  const JointVector w2 = stage.md;
+  stage.turn = half * v2;
+  stage.qd = qd_ + half * a2.qdd;
+  if (splits_) {
+    stage.drive_turn = half * w2;
+    stage.md = md_ + half * a2.mdd;
+  }
+  const Rates a3 = at(stage);
+  const JointVector v3 = stage.qd;
+  const JointVector w3 = stage.md;
+  stage.dt = h;
+  stage.turn = h * v3;
+  stage.qd = qd_ + h * a3.qdd;
+  if (splits_) {
+    stage.drive_turn = h * w3;
+    stage.md = md_ + h * a3.mdd;
+  }
+  const Rates a4 = at(stage);
+
   Trial end;
-  end.q = q_ + h * (qd_ + h / 6.0 * (a1 + a2 + a3));
-  end.qd = qd_ + h / 6.0 * (a1 + 2.0 * (a2 + a3) + a4);
-  end.look = look<false>(s_ + h, end.q, end.qd);
-  end.margin = margin(end.q, end.qd, end.look);
+  end.at.q = q_ + h * (qd_ + h / 6.0 * (a1.qdd + a2.qdd + a3.qdd));
+  end.at.qd = qd_ + h / 6.0 * (a1.qdd + 2.0 * (a2.qdd + a3.qdd) + a4.qdd);
+  end.at.m = end.at.q;
+  end.at.md = end.at.qd;
+  if (splits_) {
+    const JointVector m = m_ + h * (md_ + h / 6.0 * (a1.mdd + a2.mdd + a3.mdd));
+    const JointVector md = md_ + h / 6.0 * (a1.mdd + 2.0 * (a2.mdd + a3.mdd) + a4.mdd);
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      const auto axis = static_cast<Eigen::Index>(i);
+      if (separate(i)) {
+        end.at.m[axis] = m[axis];
+        end.at.md[axis] = md[axis];
+      } else if (touch_[i] != 0) {
+        end.at.m[axis] += static_cast<double>(touch_[i]) * config_.terms.transmission[i].gap / 2.0;
+      }
+    }
+  }
+  end.look = look(h, end.at);
+  end.margin = margin(end.at, end.look);
   return end;
 }
 
-/// Where a speed or the distance to the surface turns inside the step beyond its zero, if so.
+/// Least of the quantities that are positive while the present forms of the equation hold.
+double Plant::margin(const Motion& at, const Look& look) const noexcept {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    const JointFriction& friction = config_.terms.friction[i];
+    if (friction.has_corner()) {
+      if (sliding_[i] == Sliding::stuck) {
+        least = std::min({least, friction.stick_forward() - look.rates.hold[axis],
+                          friction.stick_backward() + look.rates.hold[axis]});
+      } else {
+        least = std::min(least, static_cast<double>(sliding_[i]) * at.md[axis]);
+      }
+    }
+    const Transmission& transmission = config_.terms.transmission[i];
+    if (transmission.kind != Transmission::Kind::play) continue;
+    least =
+        std::min(least, touch_[i] == 0 ? transmission.gap / 2.0 - std::abs(at.m[axis] - at.q[axis])
+                                       : pressed(i, look));
+  }
+  if (config_.contact) {
+    const double push = config_.contact->push_margin(look.depth);
+    least = std::min(least, touching_ ? push : -push);
+  }
+  if (!stops_.empty()) least = std::min(least, stops_.margin(stopped_, at.q, at.qd));
+  return least;
+}
+
+/// Where a speed, a play or the distance to the surface turns inside the step beyond its zero, if
+/// so.
 std::optional<double> Plant::dip(double h, const Trial& end) const noexcept {
   for (std::size_t i = 0; i < kJoints; ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    const Transmission& transmission = config_.terms.transmission[i];
+    if (transmission.kind == Transmission::Kind::play && touch_[i] == 0) {
+      for (const double side : {-1.0, 1.0}) {
+        const Course room{
+            .value0 = transmission.gap / 2.0 - side * (m_[axis] - q_[axis]),
+            .slope0 = side * (qd_[axis] - md_[axis]),
+            .value1 = transmission.gap / 2.0 - side * (end.at.m[axis] - end.at.q[axis]),
+            .slope1 = side * (end.at.qd[axis] - end.at.md[axis])};
+        if (const auto where = dip_of(h, room)) return where;
+      }
+    }
     if (!config_.terms.friction[i].has_corner() || sliding_[i] == Sliding::stuck) continue;
-    const auto joint = static_cast<Eigen::Index>(i);
     const auto sign = static_cast<double>(sliding_[i]);
-    const Course speed{.value0 = sign * qd_[joint],
-                       .slope0 = sign * now_.motion.qdd[joint],
-                       .value1 = sign * end.qd[joint],
-                       .slope1 = sign * end.look.motion.qdd[joint]};
+    const Course speed{.value0 = sign * md_[axis],
+                       .slope0 = sign * now_.rates.mdd[axis],
+                       .value1 = sign * end.at.md[axis],
+                       .slope1 = sign * end.look.rates.mdd[axis]};
     if (const auto where = dip_of(h, speed)) return where;
   }
   if (!config_.contact || touching_) return std::nullopt;
@@ -212,7 +167,7 @@ std::optional<double> Plant::dip(double h, const Trial& end) const noexcept {
 /// `end` is the trial after h, whose margin is negative; it becomes the one after the result.
 double Plant::locate(double h, Trial& end) noexcept {
   double low = 0.0;
-  double margin_low = margin(q_, qd_, now_);
+  double margin_low = margin({q_, qd_, m_, md_}, now_);
   double high = h;
   double margin_high = end.margin;
   // A joint that just came loose starts on the very border: look for a place beyond it.
@@ -255,54 +210,87 @@ double Plant::locate(double h, Trial& end) noexcept {
 }
 
 double Plant::longest_step() const noexcept {
-  double longest = calm_step_;
+  double longest = motors_act_ ? std::min(calm_step_, motor_step_) : calm_step_;
   if (touching_) longest = std::min(longest, contact_step_);
-  if (stopped_ != 0) longest = std::min(longest, stop_step_);
+  if (stopped_ != 0)
+    longest = std::min(longest, kStepOverTimeConstant / stops_.fastest(stopped_, inertia_));
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    // The peak of Stribeck's curve is narrow: steps shrink as the speed comes near it.
+    const JointFriction& friction = config_.terms.friction[i];
+    const bool peak =
+        friction.stribeck_rise > 0.0 || friction.bristle.static_level > friction.bristle.level;
+    if (!peak || sliding_[i] == Sliding::stuck) continue;
+    const auto axis = static_cast<Eigen::Index>(i);
+    const double width = friction.stribeck_rise > 0.0 ? friction.stribeck_velocity
+                                                      : friction.bristle.stribeck_velocity;
+    const double away = std::max(std::abs(md_[axis]) - 3.0 * width, kStepOverTimeConstant * width);
+    const double pace = std::abs(now_.rates.mdd[axis]);
+    if (pace * longest > away) longest = std::max(away / pace, kShortestStep);
+  }
   return longest;
 }
 
-void Plant::commit(double h, const Trial& end, EncoderEdges* edges) noexcept {
-  if (edges != nullptr) {
-    edges->observe({.start_s = seconds(time_) + (s_ - seconds(since_knot_)),
+void Plant::observe(double h, const Motion& end, Sensing* sensing) noexcept {
+  if (sensing == nullptr) return;
+  sensing->observe({.start_s = seconds(time_) + (s_ - seconds(since_knot_)),
                     .duration_s = h,
-                    .q0 = q_,
-                    .qd0 = qd_,
-                    .q1 = end.q,
-                    .qd1 = end.qd});
-  }
-  q_ = end.q;
-  qd_ = end.qd;
-  now_ = end.look;
-  s_ += h;
+                    .q0 = m_,
+                    .qd0 = md_,
+                    .q1 = end.m,
+                    .qd1 = end.md},
+                   tendons_ ? delivered(h, end.m) : JointVector::Zero());
 }
 
-/// Chooses the forms of the equation from the state alone.
-void Plant::settle() noexcept {
-  now_ = look<true>(s_, q_, qd_);
-  torque_is_new_ = false;
-}
-
-/// Takes a new torque into account: it may set joints at rest in motion, nothing else changes form.
-void Plant::refresh() noexcept {
-  if (!torque_is_new_) return;
-  torque_is_new_ = false;
-  bool at_rest = false;
+void Plant::commit(double h, const Trial& end, Sensing* sensing) noexcept {
+  observe(h, end.at, sensing);
   for (std::size_t i = 0; i < kJoints; ++i) {
-    at_rest = at_rest ||
-              (config_.terms.friction[i].has_corner() && qd_[static_cast<Eigen::Index>(i)] == 0.0);
+    const JointFriction::Bristle& bristle = config_.terms.friction[i].bristle;
+    if (bristle.level <= 0.0 || sliding_[i] == Sliding::stuck) continue;
+    const auto axis = static_cast<Eigen::Index>(i);
+    const double midway = (md_[axis] + end.at.md[axis]) / 2.0;
+    bristle_[axis] = bend(bristle, bristle_[axis], end.at.m[axis] - m_[axis], midway,
+                          static_cast<double>(sliding_[i]));
   }
-  now_ = at_rest ? look<true>(s_, q_, qd_) : look<false>(s_, q_, qd_);
+  q_ = end.at.q;
+  qd_ = end.at.qd;
+  m_ = end.at.m;
+  md_ = end.at.md;
+  now_ = end.look;
+  pass(h);
 }
 
-void Plant::integrate(double length, EncoderEdges* edges) noexcept {
+/// Time goes by for everything that is not the arm itself.
+void Plant::pass(double dt) noexcept {
+  const double change = chain_.next_change();
+  chain_.advance(dt);
+  s_ += dt;
+  if (change - dt <= kEventTolerance) torque_is_new_ = true;
+}
+
+void Plant::run_motors(double h) noexcept {
+  const JointVector demand = chain_.torque(h / 2.0);
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    const double speed = md_[axis] + h / 2.0 * now_.rates.mdd[axis];
+    motor_torque_[axis] = motors_[i].step(demand[axis], speed, m_[axis] + h / 2.0 * md_[axis], h);
+  }
+  torque_is_new_ = true;
+  refresh();
+}
+
+void Plant::integrate(double length, Sensing* sensing) noexcept {
   double done = 0.0;
   int events = 0;
   while (done < length) {
+    refresh();
     const double left = length - done;
-    const auto steps = static_cast<int>(left / longest_step() + 0.999'999);
-    double h = steps <= 1 ? left : left / static_cast<double>(steps);
+    const double piece = std::min(left, chain_.next_change());
+    const auto steps = static_cast<int>(piece / longest_step() + 0.999'999);
+    double h = steps <= 1 ? piece : piece / static_cast<double>(steps);
     const bool crowded = events >= kMaxEvents;
     if (crowded) h = std::min(h, kCrowdedStep);
+    const std::array<Motor, kJoints> motors_before = motors_;
+    if (motors_act_) run_motors(h);
 
     Trial end = step(h);
     if (const auto where = end.margin >= 0.0 && !crowded ? dip(h, end) : std::nullopt) {
@@ -313,19 +301,20 @@ void Plant::integrate(double length, EncoderEdges* edges) noexcept {
       }
     }
     const bool event = end.margin < 0.0;
-    if (event && !crowded) h = locate(h, end);
-    commit(h, end, edges);
+    if (event && !crowded) {
+      h = locate(h, end);
+      if (motors_act_) {  // their currents go no further than the arm
+        motors_ = motors_before;
+        run_motors(h);
+      }
+    }
+    commit(h, end, sensing);
     done += h;
     if (left - h <= 0.0) done = length;
     if (!event) continue;
 
     ++events;
     ++events_;
-    for (std::size_t i = 0; i < kJoints; ++i) {
-      const auto joint = static_cast<Eigen::Index>(i);
-      const bool turned = static_cast<double>(sliding_[i]) * qd_[joint] < 0.0;
-      if (turned && config_.terms.friction[i].has_corner()) qd_[joint] = 0.0;
-    }
     settle();
   }
 }
@@ -333,19 +322,22 @@ void Plant::integrate(double length, EncoderEdges* edges) noexcept {
 /// Friction holds every joint and nothing that acts depends on time.
 bool Plant::rests() const noexcept {
   constexpr SlidingModes kAllStuck{Sliding::stuck, Sliding::stuck, Sliding::stuck};
-  return !config_.hand && sliding_ == kAllStuck;
+  return !config_.hand && !splits_ && !motors_act_ && sliding_ == kAllStuck && chain_.constant() &&
+         std::isinf(chain_.next_change());
 }
 
-void Plant::advance(Duration span, EncoderEdges* edges) noexcept {
+void Plant::advance(Duration span, Sensing* sensing) noexcept {
   refresh();
   if (rests()) {
+    chain_.advance(seconds(span));
     time_ += span;
+    if (sensing != nullptr) sensing->pass(seconds(time_));
     return;
   }
   while (span.count() > 0) {
     const Duration part = config_.hand ? std::min(span, kKnotPeriod - since_knot_) : span;
     s_ = seconds(since_knot_);
-    integrate(seconds(part), edges);
+    integrate(seconds(part), sensing);
     span -= part;
     time_ += part;
     since_knot_ = config_.hand ? since_knot_ + part : Duration{0};
@@ -355,42 +347,6 @@ void Plant::advance(Duration span, EncoderEdges* edges) noexcept {
     }
     s_ = seconds(since_knot_);
   }
-}
-
-JointVector Plant::qdd() noexcept {
-  refresh();
-  return now_.motion.qdd;
-}
-
-const SlidingModes& Plant::sliding() noexcept {
-  refresh();
-  return sliding_;
-}
-
-Plant::ToolForces Plant::tool_forces() noexcept {
-  refresh();
-  ToolForces forces;
-  if (touching_ && config_.contact) {
-    forces.contact = config_.contact->force(now_.depth) * now_.depth.normal;
-  }
-  if (config_.hand) {
-    forces.hand =
-        config_.hand->pull(s_, now_.tool.p, now_.tool.v) -
-        config_.hand->config().mass_kg * body_.tool_acceleration(now_.angles, qd_, now_.motion.qdd);
-  }
-  return forces;
-}
-
-double Plant::energy() noexcept {
-  refresh();
-  double sum = body_.energy(now_.angles, qd_);
-  if (config_.stops) sum += stops_.stored_energy(q_);
-  if (config_.contact) sum += config_.contact->stored_energy(now_.depth);
-  if (config_.hand) {
-    const Vector3 stretch = config_.hand->target(s_).p - now_.tool.p;
-    sum += config_.hand->config().stiffness_N_per_m * stretch.squaredNorm() / 2.0;
-  }
-  return sum;
 }
 
 }  // namespace teleop

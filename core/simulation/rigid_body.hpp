@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/effects/plant_terms.hpp"
 #include "core/math/joint_vector.hpp"
 #include "core/math/spatial.hpp"
 #include "core/model/arm_model.hpp"
@@ -14,13 +15,28 @@ namespace teleop {
 ///
 ///     M11 += m ρ²,  M22 += m l1²,  M33 += m l2²,  M23 −= m l1 l2 sin(q2 − q3),
 ///
-/// the very form of [Cavusoglu 2002, section 3], and its Christoffel terms follow.
+/// the very form of [Cavusoglu 2002, section 3], and its Christoffel terms follow. A payload is
+/// such a mass with weight. The base may be tilted: with up = Rx(tilt_x) Rz(tilt_z) e_y the
+/// weight's energy is
+///
+///     U = (up_x sin q1 + up_z cos q1)(N2 cos q2 + N3 sin q3) + up_y (N2 sin q2 − N3 cos q3).
+///
 /// Loop: allocation-free, noexcept.
 class RigidBody {
  public:
-  explicit RigidBody(const ArmModel& arm, double tool_mass_kg = 0.0)
-      : l1_{arm.parameters().l1_m}, l2_{arm.parameters().l2_m}, lumped_{arm.lumped()} {
-    const double m = tool_mass_kg;
+  /// @param tool_mass_kg moves with the tool and has no weight
+  explicit RigidBody(const ArmModel& arm, double tool_mass_kg = 0.0, const LoadTerms& load = {})
+      : l1_{arm.parameters().l1_m},
+        l2_{arm.parameters().l2_m},
+        lumped_{arm.lumped()},
+        added_{load.added_inertia[0], load.added_inertia[1], load.added_inertia[2]},
+        tilted_{load.tilt_x != 0.0 || load.tilt_z != 0.0},
+        up_{-std::sin(load.tilt_z), std::cos(load.tilt_z) * std::cos(load.tilt_x),
+            std::cos(load.tilt_z) * std::sin(load.tilt_x)} {
+    const double m = tool_mass_kg + load.payload_kg;
+    const double g = arm.parameters().gravity_m_per_s2;
+    lumped_.N2 += load.payload_kg * g * l1_;
+    lumped_.N3 += load.payload_kg * g * l2_;
     lumped_.K += 2.0 * m * l1_ * l2_;
     lumped_.S0 += m * (l1_ * l1_ + l2_ * l2_) / 2.0;
     lumped_.S2 += m * l1_ * l1_ / 2.0;
@@ -84,13 +100,15 @@ class RigidBody {
     const double b = c3 * (2.0 * k.S3 * s3 + half_K * c2);
     const double h = half_K * (c2 * c3 + s2 * s3);
     Inertia body;
-    body.M11 = k.S0 + k.S2 * (c2 - s2) * (c2 + s2) - k.S3 * (c3 - s3) * (c3 + s3) + k.K * c2 * s3;
-    body.M22 = k.M22;
-    body.M33 = k.M33;
+    body.M11 = added_[0] + k.S0 + k.S2 * (c2 - s2) * (c2 + s2) - k.S3 * (c3 - s3) * (c3 + s3) +
+               k.K * c2 * s3;
+    body.M22 = k.M22 + added_[1];
+    body.M33 = k.M33 + added_[2];
     body.M23 = -half_K * (s2 * c3 - c2 * s3);
     body.bias = {2.0 * qd[0] * (a * qd[1] + b * qd[2]),
                  h * qd[2] * qd[2] - a * qd[0] * qd[0] + k.N2 * c2,
                  -b * qd[0] * qd[0] - h * qd[1] * qd[1] + k.N3 * s3};
+    if (tilted_) body.bias += tilt(at);
     return body;
   }
 
@@ -137,15 +155,29 @@ class RigidBody {
     const double kinetic =
         (body.M11 * qd[0] * qd[0] + body.M22 * qd[1] * qd[1] + body.M33 * qd[2] * qd[2]) / 2.0 +
         body.M23 * qd[1] * qd[2];
-    return kinetic + lumped_.N2 * at.s2 - lumped_.N3 * at.c3;
+    const double lean = up_.x() * at.s1 + up_.z() * at.c1;
+    return kinetic + lean * (lumped_.N2 * at.c2 + lumped_.N3 * at.s3) +
+           up_.y() * (lumped_.N2 * at.s2 - lumped_.N3 * at.c3);
   }
 
  private:
+  /// What a tilt changes of the torques of weight.
+  [[nodiscard]] JointVector tilt(const Angles& at) const noexcept {
+    const double lean = up_.x() * at.s1 + up_.z() * at.c1;
+    const double turn = up_.x() * at.c1 - up_.z() * at.s1;
+    const double less = up_.y() - 1.0;
+    return {turn * (lumped_.N2 * at.c2 + lumped_.N3 * at.s3),
+            lumped_.N2 * (less * at.c2 - lean * at.s2), lumped_.N3 * (less * at.s3 + lean * at.c3)};
+  }
+
   using Lumped = ArmModel::Lumped;
 
   double l1_;
   double l2_;
   Lumped lumped_;
+  JointVector added_;  ///< inertia, kg m²
+  bool tilted_;
+  Vector3 up_;  ///< in B
 };
 
 }  // namespace teleop

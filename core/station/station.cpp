@@ -44,7 +44,7 @@ Station::Station(const StationConfig& config, Role role, const ArmModel& model, 
       damping_{config.damping},
       gravity_{config.gravity, model},
       tracking_{config.tracking, model},
-      velocity_{config.velocity},
+      velocity_{config.velocity, ports.arm.info().counts_per_rev},
       supervisor_{config.supervisor, law_, ports.link.session()},
       limiter_{config.limits} {}
 
@@ -90,7 +90,8 @@ const TickRecord& Station::step(const Tick& tick) noexcept {
 
 void Station::sense(const Tick& tick) noexcept {
   const ArmState& arm = own_.arm;
-  own_.qd = velocity_.step(arm.q, seconds(tick.elapsed));
+  own_.qd =
+      velocity_.step({.q = arm.q, .period_ticks = arm.period_ticks, .dt = seconds(tick.elapsed)});
   own_.J = linear_jacobian(model_, arm.q);
   own_.p = tool_position(model_, arm.q);
   own_.v = own_.J * own_.qd;

@@ -10,7 +10,7 @@
 #include "core/control/position_error.hpp"
 #include "core/control/supervisor.hpp"
 #include "core/control/tool_damping.hpp"
-#include "core/estimation/velocity.hpp"
+#include "core/estimation/velocity_estimator.hpp"
 #include "core/model/arm_model.hpp"
 #include "core/ports/arm.hpp"
 #include "core/ports/link.hpp"
@@ -30,7 +30,7 @@ struct StationConfig {
   bool computed_torque = false;  ///< the slave follows by computed torque, not by a force
   ComputedTorque::Config tracking{};
   double hold_stiffness_N_per_m = 0.0;  ///< holds the tool's place while holding; 0: not
-  DifferenceVelocity::Config velocity{};
+  VelocityEstimator::Config velocity{};
   Supervisor::Config supervisor{};
   Limiter::Config limits{};
   double max_joint_speed_rad_per_s = 60.0;  ///< beyond it a fault
@@ -107,7 +107,7 @@ class Station {
   ToolDamping damping_;
   GravityCompensation gravity_;
   ComputedTorque tracking_;
-  DifferenceVelocity velocity_;
+  VelocityEstimator velocity_;
   Supervisor supervisor_;
   Limiter limiter_;
 

@@ -28,7 +28,7 @@ Plant make_plant(const char* plant, const char* hand, const char* surface) {
 void run(benchmark::State& state, Plant plant) {
   const ArmModel arm = load_arm("phantom-1.5");
   const auto counts = Eigen::Map<const JointVector>(arm.parameters().encoder_counts_per_rev.data());
-  EncoderEdges edges{counts, plant.q()};
+  Sensing edges{{}, counts, plant.q()};
   for (auto _ : state) {
     plant.advance(1ms, &edges);
     plant.set_torque(-0.01 * plant.qd());

@@ -13,7 +13,7 @@
 
 #include "core/control/position_error.hpp"
 #include "core/control/tool_damping.hpp"
-#include "core/estimation/velocity.hpp"
+#include "core/estimation/difference_velocity.hpp"
 #include "core/model/dynamics.hpp"
 #include "core/model/kinematics.hpp"
 #include "tests/control/sampled_pair.hpp"
@@ -188,7 +188,7 @@ double tracking_rms(Trace&& trace, double duration_s, const Hand& hand) {
     std::array<double, 2> f{};
     for (std::size_t i = 0; i < 2; ++i) {
       const Vector3 measured{kQuantum * std::round(x.at(i) / kQuantum), 0.0, 0.0};
-      seen.at(i) = {measured, estimator.at(i).step(measured, kPeriod)};
+      seen.at(i) = {measured, estimator.at(i).step({.q = measured, .dt = kPeriod})};
       f.at(i) = law.at(i).step(seen.at(i), k == 0 ? seen.at(i) : old.at(1 - i)).force.x();
     }
     sum += std::pow(x[0] - x[1], 2);

@@ -1,5 +1,6 @@
 #include "core/effects/plant_spec.hpp"
 
+#include <algorithm>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -125,6 +126,15 @@ TEST(PlantSpec, ShipsADefaultPlantWhoseFrictionIsThatOfTheToolAtHome) {
 
 TEST(PlantSpec, ShipsABarePlantWithoutEffects) {
   EXPECT_TRUE(load_plant("phantom-1.5-bare").effects.empty());
+}
+
+TEST(PlantSpec, OfEveryEffectLeavesNoneOut) {
+  const PlantSpec plant = load_plant("phantom-1.5-everything");
+  for (const EffectKind* kind : vocabulary()) {
+    EXPECT_TRUE(std::any_of(plant.effects.begin(), plant.effects.end(),
+                            [&](const EffectSpec& effect) { return effect.kind == kind->name; }))
+        << kind->name;
+  }
 }
 
 }  // namespace

@@ -54,6 +54,9 @@ TEST(BadInput, OnTheCommandLineIsOneLineAndExitCode2) {
       {"teleop report no-such.mcap", {"no-such.mcap"}},
       {"teleop recover no-such.mcap", {"no-such.mcap"}},
       {"teleop workspace --arm no-such-arm", {"no-such-arm"}},
+      {"teleop velocity no-such.mcap", {"no-such.mcap"}},
+      {"teleop velocity --set velocity.period.samples=7", {"period.samples", "multiple of 4"}},
+      {"teleop-master --velocity.kind guess", {"guess", "adaptive_window"}},
   };
   for (const Bad& bad : commands)
     expect_one_clear_line(bad);

@@ -234,10 +234,8 @@ TEST(Plant, CannotLeaveItsPostureLimits) {
       }
       plant.advance(1ms);
       fastest = std::max(fastest, plant.qd().cwiseAbs().maxCoeff());
-      const JointStops stops{phantom()};
-      for (std::size_t stop = 0; stop < JointStops::kNumber; ++stop) {
-        worst = std::max(worst, stops.depth(stop, plant.q()));
-      }
+      const JointStops stops{phantom(), true, {}};
+      worst = std::max(worst, stops.deepest(plant.q()));
     }
   }
   RecordProperty("deepest_rad", std::to_string(worst));
@@ -324,7 +322,7 @@ TEST(Plant, AdvancesWithoutAllocating) {
               {.terms = shipped_friction(),
                .hand = make_hand("reach", phantom(), Vector3::Zero(), 5, {}),
                .contact = environment("wall")}};
-  EncoderEdges edges{{54476.8, 45875.2, 45875.2}, plant.q()};
+  Sensing edges{{}, {54476.8, 45875.2, 45875.2}, plant.q()};
   const testing::NoAllocation guard;
   for (int tick = 0; tick < 2000; ++tick) {
     plant.set_torque(command(plant, tick));

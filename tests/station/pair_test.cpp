@@ -67,6 +67,29 @@ TEST(Pair, LetsTheHandFeelTheWallAtRest) {
   EXPECT_NEAR(hand / wall, 1.0, 0.1);
 }
 
+TEST(Pair, RecordsWhatEachVelocityEstimatorMakesOfTheRecordedReadings) {
+  for (const std::string_view kind : velocity_kinds()) {
+    SimulatedPair::Config config = pair_with("reach");
+    config.station.velocity.kind = kind;
+    config.station.law = {.stiffness_master_N_per_m = 20.0,
+                          .stiffness_slave_N_per_m = 20.0,
+                          .damping_master_Ns_per_m = 0.0,
+                          .damping_slave_Ns_per_m = 0.0};
+    SimulatedPair pair{config};
+    VelocityEstimator replayed{config.station.velocity, pair.master_arm().info().counts_per_rev};
+    double most = 0.0;
+    for (int i = 0; i < 1'500; ++i) {
+      pair.step();
+      const TickRecord& r = pair.master();
+      const JointVector qd = replayed.step(
+          {.q = r.q_rad, .period_ticks = r.period_ticks, .dt = 1e-3 * r.elapsed_ms});
+      ASSERT_NEAR((qd - r.qd_rad_per_s).norm(), 0.0, 1e-9) << kind << ' ' << i;
+      most = std::max(most, qd.norm());
+    }
+    EXPECT_GT(most, 0.1) << kind << ": the hand hardly moved";
+  }
+}
+
 TEST(Pair, GivesTheSameBitsTwice) {
   std::vector<TickRecord> first;
   for (int run = 0; run < 2; ++run) {

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "core/base/settings.hpp"
+#include "core/estimation/velocity_sample.hpp"
 #include "core/math/joint_vector.hpp"
 
 namespace teleop {
@@ -13,7 +14,7 @@ namespace teleop {
 ///
 /// Δt is the measured time between the two samples, so a late sample does no harm. A steady speed
 /// is met exactly. The estimate lags by Δt/2 + Δt (1 − α)/α; white noise of deviation σ in q
-/// leaves as σ/Δt · √(2α²/(2 − α)).
+/// leaves as σ/Δt · √(2α²/(2 − α)). With f_c = 0 there is no low-pass: α = 1.
 ///
 /// The default of 300 Hz lags 0.68 ms at 1 kHz. At 200 Hz the shipped law, at half its marginal
 /// gain, follows a fast and stiff hand only just within 2 mm; beyond 300 Hz little is gained but
@@ -22,7 +23,7 @@ namespace teleop {
 class DifferenceVelocity {
  public:
   struct Config {
-    double cutoff_Hz = 300.0;
+    double cutoff_Hz = 300.0;  ///< 0: the pure first difference
   };
 
   struct State {
@@ -31,12 +32,12 @@ class DifferenceVelocity {
     bool has_sample = false;
   };
 
-  /// @throws ConfigError unless the cutoff is positive and finite.
+  /// @throws ConfigError unless the cutoff is finite and not negative.
   explicit DifferenceVelocity(const Config& config);
 
-  /// The estimate after sample `q`, taken `dt` seconds after the one before. The first sample gives
-  /// zero; so does one that follows reset(). With dt ≤ 0 nothing changes.
-  JointVector step(const JointVector& q, double dt) noexcept;
+  /// The estimate after a sample, rad/s. The first sample gives zero; so does one that follows
+  /// reset(). With dt ≤ 0 nothing changes.
+  JointVector step(const VelocitySample& sample) noexcept;
 
   void reset() noexcept { state_ = {}; }
   [[nodiscard]] const State& state() const noexcept { return state_; }

@@ -1,0 +1,25 @@
+#include <array>
+
+#include "core/effects/kinds.hpp"
+
+namespace teleop {
+namespace {
+
+constexpr std::array kParameters{
+    EffectParameter{.name = "inertia", .unit = "kg m^2", .text = "of the link", .range = kAny},
+};
+
+void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
+  terms.load.added_inertia.at(axis) += values[0];
+}
+
+}  // namespace
+
+const EffectKind added_inertia{
+    .name = "added_inertia",
+    .law = "M_ii becomes M_ii + inertia",
+    .parameters = kParameters,
+    .plug = plug,
+};
+
+}  // namespace teleop

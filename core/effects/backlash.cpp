@@ -1,0 +1,38 @@
+#include <array>
+
+#include "core/base/error.hpp"
+#include "core/effects/kinds.hpp"
+
+namespace teleop {
+namespace {
+
+constexpr std::array kParameters{
+    EffectParameter{
+        .name = "gap", .unit = "rad", .text = "total width of the play", .range = kPositive},
+    EffectParameter{.name = "drive_inertia",
+                    .unit = "kg m^2",
+                    .text = "moved from link to drive; 0: the rotor of the arm",
+                    .range = kNotNegative,
+                    .standard = 0.0},
+};
+
+void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
+  if (terms.transmission.at(axis).kind != Transmission::Kind::rigid) {
+    throw ConfigError{"backlash: the transmission of the axis gives way already"};
+  }
+  terms.transmission.at(axis) = {
+      .kind = Transmission::Kind::play,
+      .gap = values[0],
+      .drive_inertia = values[1] > 0.0 ? values[1] : rotor_inertia(axis)};
+}
+
+}  // namespace
+
+const EffectKind backlash{
+    .name = "backlash",
+    .law = "|m - q| <= gap / 2; T = 0 inside, at the ends as needed, pushing only",
+    .parameters = kParameters,
+    .plug = plug,
+};
+
+}  // namespace teleop

@@ -1,0 +1,36 @@
+#include <array>
+
+#include "core/effects/kinds.hpp"
+
+namespace teleop {
+namespace {
+
+constexpr std::array kParameters{
+    EffectParameter{.name = "tilt_x",
+                    .unit = "rad",
+                    .text = "about x",
+                    .range = {.low = -3.15, .high = 3.15},
+                    .standard = 0.0},
+    EffectParameter{.name = "tilt_z",
+                    .unit = "rad",
+                    .text = "about z",
+                    .range = {.low = -3.15, .high = 3.15},
+                    .standard = 0.0},
+};
+
+void plug(PlantTerms& terms, std::size_t /*axis*/, std::span<const double> values) {
+  terms.load.tilt_x = values[0];
+  terms.load.tilt_z = values[1];
+}
+
+}  // namespace
+
+const EffectKind base_tilt{
+    .name = "base_tilt",
+    .law = "up = Rx(tilt_x) Rz(tilt_z) e_y instead of e_y",
+    .per_axis = false,
+    .parameters = kParameters,
+    .plug = plug,
+};
+
+}  // namespace teleop

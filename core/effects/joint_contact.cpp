@@ -1,0 +1,46 @@
+#include <array>
+#include <cmath>
+
+#include "core/base/error.hpp"
+#include "core/effects/kinds.hpp"
+
+namespace teleop {
+namespace {
+
+constexpr std::array kParameters{
+    EffectParameter{
+        .name = "location", .unit = "rad", .text = "where the wall begins", .range = kAny},
+    EffectParameter{
+        .name = "stiffness", .unit = "N m/rad", .text = "of the wall", .range = kPositive},
+    EffectParameter{.name = "damping",
+                    .unit = "N m s/rad",
+                    .text = "of the wall",
+                    .range = kNotNegative,
+                    .standard = 0.0},
+    EffectParameter{.name = "side",
+                    .unit = "1",
+                    .text = "+1: wall above the location, -1: below",
+                    .range = {.low = -1.0, .high = 1.0}},
+};
+
+void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
+  if (std::abs(values[3]) != 1.0) throw ConfigError{"contact: side must be 1 or -1"};
+  const JointWall wall{.axis = axis,
+                       .location = values[0],
+                       .stiffness = values[1],
+                       .damping = values[2],
+                       .side = values[3]};
+  if (!terms.walls.push(wall)) throw ConfigError{"contact: at most six"};
+}
+
+}  // namespace
+
+const EffectKind joint_contact{
+    .name = "contact",
+    .law = "p = side (q - location) > 0: f = -side max(0, stiffness p + damping p')",
+    .repeatable = true,
+    .parameters = kParameters,
+    .plug = plug,
+};
+
+}  // namespace teleop

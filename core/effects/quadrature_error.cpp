@@ -1,0 +1,34 @@
+#include <array>
+
+#include "core/effects/kinds.hpp"
+
+namespace teleop {
+namespace {
+
+constexpr std::array kParameters{
+    EffectParameter{.name = "phase_error",
+                    .unit = "count",
+                    .text = "shift of channel B",
+                    .range = {.low = -0.4, .high = 0.4}},
+    EffectParameter{.name = "duty_error",
+                    .unit = "count",
+                    .text = "shift of the falling edges",
+                    .range = {.low = -0.4, .high = 0.4},
+                    .standard = 0.0},
+};
+
+void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
+  terms.sensing.at(axis).phase_error = values[0];
+  terms.sensing.at(axis).duty_error = values[1];
+}
+
+}  // namespace
+
+const EffectKind quadrature_error{
+    .name = "quadrature_error",
+    .law = "edges of channel B shifted by phase_error, falling edges by duty_error counts",
+    .parameters = kParameters,
+    .plug = plug,
+};
+
+}  // namespace teleop

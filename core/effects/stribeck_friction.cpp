@@ -1,0 +1,41 @@
+#include <array>
+
+#include "core/base/error.hpp"
+#include "core/effects/kinds.hpp"
+
+namespace teleop {
+namespace {
+
+constexpr std::array kParameters{
+    EffectParameter{
+        .name = "coulomb", .unit = "N m", .text = "level in fast motion", .range = kNotNegative},
+    EffectParameter{
+        .name = "static", .unit = "N m", .text = "level at rest", .range = kNotNegative},
+    EffectParameter{.name = "stribeck_velocity",
+                    .unit = "rad/s",
+                    .text = "where the level has fallen by 63 % of the difference",
+                    .range = kPositive},
+};
+
+void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
+  if (values[1] < values[0]) {
+    throw ConfigError{"stribeck_friction: static must be at least coulomb"};
+  }
+  JointFriction& friction = terms.friction.at(axis);
+  friction.dry_forward += values[0];
+  friction.dry_backward += values[0];
+  friction.stribeck_rise = values[1] - values[0];
+  friction.stribeck_velocity = values[2];
+}
+
+}  // namespace
+
+const EffectKind stribeck_friction{
+    .name = "stribeck_friction",
+    .law =
+        "f = -F(m') sgn(m'), F(v) = coulomb + (static - coulomb) exp(-(v / stribeck_velocity)^2)",
+    .parameters = kParameters,
+    .plug = plug,
+};
+
+}  // namespace teleop

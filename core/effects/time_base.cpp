@@ -1,0 +1,29 @@
+#include <array>
+
+#include "core/effects/kinds.hpp"
+
+namespace teleop {
+namespace {
+
+constexpr std::array kParameters{
+    EffectParameter{.name = "ratio",
+                    .unit = "1",
+                    .text = "true over stated",
+                    .range = {.low = 0.5, .high = 2.0}},
+};
+
+void plug(PlantTerms& terms, std::size_t /*axis*/, std::span<const double> values) {
+  terms.time_ratio *= values[0];
+}
+
+}  // namespace
+
+const EffectKind time_base{
+    .name = "time_base",
+    .law = "true period = ratio times stated period",
+    .per_axis = false,
+    .parameters = kParameters,
+    .plug = plug,
+};
+
+}  // namespace teleop

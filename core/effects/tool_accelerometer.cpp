@@ -1,0 +1,39 @@
+#include <array>
+
+#include "core/effects/kinds.hpp"
+
+namespace teleop {
+namespace {
+
+constexpr std::array kParameters{
+    EffectParameter{
+        .name = "noise", .unit = "m/s^2", .text = "RMS of a reading", .range = kNotNegative},
+    EffectParameter{.name = "bandwidth_Hz",
+                    .unit = "Hz",
+                    .text = "of the sensor",
+                    .range = kPositive,
+                    .standard = 500.0},
+    EffectParameter{.name = "range",
+                    .unit = "m/s^2",
+                    .text = "largest reading",
+                    .range = kPositive,
+                    .standard = 160.0},
+};
+
+void plug(PlantTerms& terms, std::size_t /*axis*/, std::span<const double> values) {
+  terms.accelerometer = {
+      .fitted = true, .noise = values[0], .bandwidth_Hz = values[1], .range = values[2]};
+}
+
+}  // namespace
+
+const EffectKind tool_accelerometer{
+    .name = "tool_accelerometer",
+    .law =
+        "reads the tool's acceleration behind a first-order filter, with noise, within its range",
+    .per_axis = false,
+    .parameters = kParameters,
+    .plug = plug,
+};
+
+}  // namespace teleop
