@@ -26,6 +26,7 @@ void add_bench(CLI::App& app, Action& action) {
   add("link", "UDP round trip through the whole stack, against a bare socket", bench_link);
   add("loop", "lateness of the loop, against cyclictest", bench_loop);
   add("sim", "simulated pair on simulated time, against real time", bench_sim);
+  add("sweep", "a sweep on two cores, against one", bench_sweep);
 }
 
 }  // namespace teleop
