@@ -19,7 +19,7 @@ constexpr double kCautiousFactor = 1.6;
 constexpr double kNear = 0.12;           ///< |ln g/g*| of probes that count for the interval
 constexpr double kSameFrequency = 0.15;  ///< relative
 constexpr double kWorthBracketing = 1.15;
-constexpr std::size_t kFewestNear = 8;
+constexpr std::size_t kFewestNear = 9;
 constexpr int kMostInARow = 6;  ///< probes that say nothing
 
 bool is_stable(const ProbeResult& p) {
@@ -118,7 +118,10 @@ std::vector<GrowthPoint> near_points(Probes probes, const ProbeResult& high, dou
     const Oscillation* o = matching(p, high.oscillation->frequency_Hz);
     if (o == nullptr) continue;
     points.push_back(
-        {.gain = p.plan.gain, .growth_per_s = o->growth_per_s, .std_per_s = o->growth_std_per_s});
+        {.gain = p.plan.gain,
+         .growth_per_s = o->growth_per_s,
+         .std_per_s = o->growth_std_per_s,
+         .log_amplitude = std::log(p.oscillation->amplitude_here / p.plan.amplitude_m)});
   }
   return points;
 }
