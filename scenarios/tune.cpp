@@ -200,12 +200,14 @@ TunedPoint tune_job(const TuneOptions& options,
                            .time_waits = bench.time_waits,
                            .period_s = 1.0 / options.rate_Hz};
   std::vector<ToolFrame> frames;
+  std::vector<MovedArm> moved;
   for (std::size_t i = 0; i < bench.arms.size(); ++i) {
     Arm& arm = *bench.arms[i];
-    move_to(arm, bench.models[i], *bench.clock, job.q, {.period_s = ports.period_s});
+    moved.push_back({.arm = &arm, .model = &bench.models[i]});
     frames.push_back(frame_at(bench.models[i], arm.info(), job.q));
     ports.arms.push_back(&arm);
   }
+  move_to(moved, *bench.clock, job.q, {.period_s = ports.period_s});
   TunedPoint point{.job = job};
   point.result = tune_point(config, frames, ports, std::move(history));
   const auto theory = theory_of({.devices = bench.names,

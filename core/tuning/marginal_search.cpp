@@ -19,8 +19,8 @@ constexpr double kCautiousFactor = 1.6;
 constexpr double kNear = 0.12;           ///< |ln g/g*| of probes that count for the interval
 constexpr double kSameFrequency = 0.15;  ///< relative
 constexpr double kWorthBracketing = 1.15;
-constexpr std::size_t kFewestNear = 8;
-constexpr int kMostInARow = 6;  ///< probes that say nothing
+constexpr std::size_t kFewestNear = 9;
+constexpr int kMostInARow = 8;  ///< probes that say nothing
 
 bool is_stable(const ProbeResult& p) {
   return p.verdict == Verdict::quiet || p.verdict == Verdict::decays || p.verdict == Verdict::small;
@@ -118,7 +118,10 @@ std::vector<GrowthPoint> near_points(Probes probes, const ProbeResult& high, dou
     const Oscillation* o = matching(p, high.oscillation->frequency_Hz);
     if (o == nullptr) continue;
     points.push_back(
-        {.gain = p.plan.gain, .growth_per_s = o->growth_per_s, .std_per_s = o->growth_std_per_s});
+        {.gain = p.plan.gain,
+         .growth_per_s = o->growth_per_s,
+         .std_per_s = o->growth_std_per_s,
+         .log_amplitude = std::log(p.oscillation->amplitude_here / p.plan.amplitude_m)});
   }
   return points;
 }
@@ -272,8 +275,19 @@ double bracketed_gain(const Knowledge& k) {
   return std::clamp(secant(k.low, k.high).value_or(middle), low * edge, high / edge);
 }
 
+/// Whether many probes next to the crossing died before they showed a rate: friction holds what
+/// starts below A, so pushes have to start above it.
+bool sticks(Probes probes, const std::vector<GrowthPoint>& points, double zero) {
+  const auto misses = std::count_if(probes.begin(), probes.end(), [&](const ProbeResult& p) {
+    const bool near = std::abs(std::log(p.plan.gain / zero)) < kNear;
+    return near && (p.verdict == Verdict::quiet || p.verdict == Verdict::undershot);
+  });
+  return misses > 1 && 4 * misses > static_cast<std::ptrdiff_t>(points.size());
+}
+
 /// Where to look next around a crossing: side, distance and length of the watch.
 Wish refined(const MarginalSearch::Config& c,
+             Probes probes,
              const std::vector<GrowthPoint>& points,
              const ProbeResult& high,
              double zero,
@@ -293,8 +307,9 @@ Wish refined(const MarginalSearch::Config& c,
   // Distances that do not repeat: whatever depends on where the counts fall averages out.
   const double share = 0.5 + 0.5 * std::fmod(0.618 * static_cast<double>(points.size()), 1.0);
   const double away = (above > below ? -1.0 : 1.0) * share * most;
+  const double start = std::clamp(std::exp(-0.5 * slope * away * watch), 0.6, 1.7);
   return {.gain = zero * std::exp(away),
-          .start_m = c.amplitude_m * std::clamp(std::exp(-0.5 * slope * away * watch), 0.6, 1.7),
+          .start_m = c.amplitude_m * (sticks(probes, points, zero) ? 1.5 : start),
           .watch_s = watch};
 }
 
@@ -338,7 +353,7 @@ MarginalSearch::Step MarginalSearch::next(Probes probes) const {
     return ask({.gain = gain, .start_m = config_.amplitude_m});
   }
   if (crossing) {
-    return ask(refined(config_, points, *k.high, crossing->gain, crossing->slope_per_s));
+    return ask(refined(config_, probes, points, *k.high, crossing->gain, crossing->slope_per_s));
   }
   const double ratio = k.high->plan.gain / k.low->plan.gain;
   const std::optional<double> zero = secant(k.low, k.high);
@@ -349,7 +364,7 @@ MarginalSearch::Step MarginalSearch::next(Probes probes) const {
   if (ratio < kWorthBracketing && zero && same_mode(*k.low, *k.high)) {
     const double slope =
         (k.high->oscillation->growth_per_s - k.low->oscillation->growth_per_s) / std::log(ratio);
-    return ask(refined(config_, points, *k.high, *zero, slope));
+    return ask(refined(config_, probes, points, *k.high, *zero, slope));
   }
   return ask({.gain = bracketed_gain(k), .start_m = config_.amplitude_m});
 }

@@ -44,7 +44,7 @@ class MarginalSearch {
     double start_gain = 0.0;    ///< 0: of the experiment
     double most_gain = 0.0;     ///< 0: of the experiment
     double width = 0.01;        ///< of the 90 % interval, relative
-    int most_probes = 60;
+    int most_probes = 100;
     double most_arm_seconds = 120.0;
     ProbeBounds bounds{};
   };

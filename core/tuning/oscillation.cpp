@@ -176,7 +176,13 @@ std::vector<Mode> worth_fitting(const std::vector<Mode>& found, double dt_s, dou
   for (const Mode& mode : found) {
     const bool lives = mode.growth_per_s > -0.7 / dt_s;
     const bool turns = mode.omega_rad_per_s * span_s > 2.5;
-    if (turns && lives) kept.push_back(mode);
+    // An envelope that is no exponential looks like several of one frequency; the bend is for that.
+    const bool is_new = std::none_of(kept.begin(), kept.end(), [&](const Mode& other) {
+      constexpr double kApart = 0.5;  // turns over the record
+      return std::abs(other.omega_rad_per_s - mode.omega_rad_per_s) * span_s <
+             2.0 * std::numbers::pi * kApart;
+    });
+    if (turns && lives && is_new) kept.push_back(mode);
     const bool bends = std::abs(mode.growth_per_s) * span_s > 2.0;
     if (!turns && lives && bends) kept.push_back({mode.growth_per_s, 0.0});
   }

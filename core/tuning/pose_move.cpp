@@ -66,49 +66,93 @@ ToolFrame frame_at(const ArmModel& model, const ArmInfo& info, const JointVector
           .counts_per_rev = info.counts_per_rev};
 }
 
-void move_to(
-    Arm& arm, const ArmModel& model, Clock& clock, const JointVector& q, const PoseMove& how) {
-  const JointVector start = arm.read().q;
-  const double distance = (tool_position(model, q) - tool_position(model, start)).norm();
-  const double duration = std::max(0.3, distance / how.speed_m_per_s);
-  DifferenceVelocity velocity{{}};
-  Instant last{};
-  bool is_first = true;
-  double time_s = 0.0;
-  double off_m = 0.0;
-  Fault fault = Fault::none;
-  arm.amplifiers(true);
+namespace {
+
+/// One arm on its way.
+class Mover {
+ public:
+  Mover(const MovedArm& moved, const JointVector& q, const PoseMove& how)
+      : moved_{moved}, start_{moved.arm->read().q}, end_{q}, how_{how} {}
+
+  [[nodiscard]] double distance_m() const {
+    return (tool_position(*moved_.model, end_) - tool_position(*moved_.model, start_)).norm();
+  }
+
+  /// Towards the point a share of the way along; dt since the last turn.
+  void step(double share, double dt) noexcept {
+    const ArmState state = moved_.arm->read();
+    fault_ = state.q.allFinite() ? state.fault : Fault::state_not_finite;
+    if (fault_ != Fault::none) return;
+    const JointVector qd = velocity_.step({.q = state.q, .period_ticks = {}, .dt = dt});
+    const Matrix3 J = linear_jacobian(*moved_.model, state.q);
+    const Vector3 error = J * (start_ + share * (end_ - start_) - state.q);
+    const Vector3 force = how_.stiffness_N_per_m * error - how_.damping_Ns_per_m * (J * qd);
+    moved_.arm->write(J.transpose() * force + gravity_torque(*moved_.model, state.q));
+    off_m_ = (J * (end_ - state.q)).norm();
+    speed_ = (J * qd).norm();
+  }
+
+  [[nodiscard]] Fault fault() const noexcept { return fault_; }
+  [[nodiscard]] double off_m() const noexcept { return off_m_; }
+  [[nodiscard]] bool is_there() const noexcept {
+    constexpr double kStill_m_per_s = 0.005;
+    return fault_ == Fault::none && off_m_ < how_.tolerance_m && speed_ < kStill_m_per_s;
+  }
+
+ private:
+  MovedArm moved_;
+  JointVector start_;
+  JointVector end_;
+  PoseMove how_;
+  DifferenceVelocity velocity_{{}};
+  Fault fault_ = Fault::none;
+  double off_m_ = 0.0;
+  double speed_ = 0.0;
+};
+
+}  // namespace
+
+void move_to(const std::vector<MovedArm>& arms,
+             Clock& clock,
+             const JointVector& q,
+             const PoseMove& how) {
+  std::vector<Mover> movers;
+  double duration = 0.3;
+  for (const MovedArm& moved : arms) {
+    movers.emplace_back(moved, q, how);
+    duration = std::max(duration, movers.back().distance_m() / how.speed_m_per_s);
+    moved.arm->amplifiers(true);
+  }
   const Duration period{static_cast<std::int64_t>(std::llround(how.period_s * 1e9))};
-  run_periodically(clock, period, [&](const Tick&) noexcept {
-    const ArmState state = arm.read();
-    fault = state.q.allFinite() ? state.fault : Fault::state_not_finite;
-    if (fault != Fault::none) return Next::stop;
-    const double dt = is_first ? how.period_s : seconds(state.stamp - last);
-    is_first = false;
-    last = state.stamp;
-    time_s += dt;
+  const Instant begin = clock.now();
+  run_periodically(clock, period, [&](const Tick& tick) noexcept {
+    const double time_s = seconds(tick.now - begin);
     const double s = std::min(time_s / duration, 1.0);
     const double share = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
-    const JointVector qd = velocity.step({.q = state.q, .period_ticks = {}, .dt = dt});
-    const Matrix3 J = linear_jacobian(model, state.q);
-    const Vector3 error = J * (start + share * (q - start) - state.q);
-    const Vector3 force = how.stiffness_N_per_m * error - how.damping_Ns_per_m * (J * qd);
-    arm.write(J.transpose() * force + gravity_torque(model, state.q));
-    off_m = (J * (q - state.q)).norm();
-    const bool there = s == 1.0 && off_m < how.tolerance_m && (J * qd).norm() < 0.005;
-    return there || time_s > duration + how.patience_s ? Next::stop : Next::again;
+    bool there = s == 1.0;
+    bool failed = false;
+    for (Mover& mover : movers) {
+      mover.step(share, seconds(tick.elapsed));
+      there = there && mover.is_there();
+      failed = failed || mover.fault() != Fault::none;
+    }
+    const bool too_late = time_s > duration + how.patience_s;
+    return there || failed || too_late ? Next::stop : Next::again;
   });
-  if (fault == Fault::none && off_m < how.tolerance_m) return;
-  arm.amplifiers(false);
-  const std::string name = arm.info().name;
-  if (fault != Fault::none) {
-    throw DeviceError{
-        fmt::format("device '{}': fault {} on the way to a pose", name, name_of(fault))};
+  for (std::size_t i = 0; i < arms.size(); ++i) {
+    if (movers[i].is_there()) continue;
+    for (const MovedArm& moved : arms)
+      moved.arm->amplifiers(false);
+    const std::string name = arms[i].arm->info().name;
+    if (movers[i].fault() != Fault::none) {
+      throw DeviceError{fmt::format("device '{}': fault {} on the way to a pose", name,
+                                    name_of(movers[i].fault()))};
+    }
+    throw DeviceError{fmt::format(
+        "device '{}': stays {:.1f} mm from the pose it was sent to; is its way free and its model "
+        "the right one?",
+        name, 1e3 * movers[i].off_m())};
   }
-  throw DeviceError{
-      fmt::format("device '{}': stays {:.1f} mm from the pose it was sent to; is its "
-                  "way free and its model the right one?",
-                  name, 1e3 * off_m)};
 }
 
 }  // namespace teleop

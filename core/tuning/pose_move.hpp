@@ -26,9 +26,17 @@ struct PoseMove {
   double patience_s = 2.0;     ///< at the end, to get there
 };
 
+struct MovedArm {
+  Arm* arm = nullptr;
+  const ArmModel* model = nullptr;
+};
+
+/// Both arms of a pair at once: one that waits must not starve.
 /// @throws DeviceError: a fault on the way, or the pose is not reached.
-void move_to(
-    Arm& arm, const ArmModel& model, Clock& clock, const JointVector& q, const PoseMove& how);
+void move_to(const std::vector<MovedArm>& arms,
+             Clock& clock,
+             const JointVector& q,
+             const PoseMove& how);
 
 /// `count` postures spread over the workspace of an arm in its plane x = 0, at least a tenth of a
 /// radian from every stop and of manipulability 0.3 or more; home alone where one is asked for.

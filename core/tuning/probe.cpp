@@ -7,6 +7,7 @@ namespace teleop {
 namespace {
 
 constexpr double kRestCounts = 3.0;
+constexpr double kLookAhead_s = 0.005;
 
 }  // namespace
 
@@ -119,12 +120,14 @@ void Probe::look_at_bounds(const std::array<ArmState, kMostArms>& arms, double d
       return;
     }
     const double x = loop_->frame(i).displacement(arms[i].q)[axis_];
-    if (std::abs(x) > kStopShare * config_.bounds.travel_m) stop = ProbeStop::travel;
     if (!has_last_ || dt <= 0.0) continue;
     // A count more or less is no speed.
     const double moved = std::abs(x - last_x_[i]);
     const double speed = std::max(moved - loop_->frame(i).quantum_m(axis_), 0.0) / dt;
     outcome_.peak_speed_m_per_s = std::max(outcome_.peak_speed_m_per_s, speed);
+    // Where it will be before anything can brake it.
+    const double ahead = std::copysign(speed * kLookAhead_s, x - last_x_[i]);
+    if (std::abs(x + ahead) > kStopShare * config_.bounds.travel_m) stop = ProbeStop::travel;
     if (speed > kStopShare * config_.bounds.speed_m_per_s) stop = ProbeStop::speed;
     work_J_ += last_force_[i] * (x - last_x_[i]);
     outcome_.energy_J = std::max(outcome_.energy_J, work_J_);

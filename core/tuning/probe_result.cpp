@@ -8,7 +8,7 @@ namespace teleop {
 namespace {
 
 constexpr double kSkip_s = 0.004;          ///< after the push: delays and lags empty
-constexpr double kMostLostTurns = 0.01;    ///< share
+constexpr double kMostLostTurns = 0.03;    ///< share
 constexpr double kLimitCycleCounts = 3.0;  ///< largest amplitude of one
 constexpr double kTelling = 0.3;           ///< of the amplitude asked for
 constexpr std::size_t kMostSamples = 1200;

@@ -78,8 +78,8 @@ TEST(AnalyticMargin, AgreesWithTheReferencePairs) {
   }
 }
 
-/// M π² / (2 N T) for a velocity known at once [Cavusoglu 2002, section 4.1.2]; holding the force for
-/// a period delays it by half of one, as if the mean were over one sample more.
+/// M π² / (2 N T) for a velocity known at once [Cavusoglu 2002, section 4.1.2]; holding the force
+/// for a period delays it by half of one, as if the mean were over one sample more.
 TEST(AnalyticMargin, OfAnUndampedMassIsNearTheClosedForm) {
   const SampledLoop loop{.arms = {LinearAxis::Config{.mass_kg = 0.05, .damping_Ns_per_m = 0.0}},
                          .velocity = mean_of(100)};
