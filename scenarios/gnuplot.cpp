@@ -28,8 +28,8 @@ struct Outcome {
 };
 
 Outcome run_gnuplot(const fs::path& folder, const std::string& script) {
-  const std::string command = "cd " + quoted(fs::absolute(folder).string()) +
-                              " && exec gnuplot " + quoted(script) + " 2>&1";
+  const std::string command = "cd " + quoted(fs::absolute(folder).string()) + " && exec gnuplot " +
+                              quoted(script) + " 2>&1";
   // NOLINTNEXTLINE(cert-env33-c): the command is ours, its variable parts are quoted
   std::FILE* pipe = popen(command.c_str(), "re");
   if (pipe == nullptr) return {.status = 126, .message = "no process could be started"};

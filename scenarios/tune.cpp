@@ -32,22 +32,23 @@ struct Bench {
   std::vector<ArmModel> models;
 };
 
-Experiment experiment_of(const TuneOptions& options) {
-  for (const Experiment e : {Experiment::wall, Experiment::damping, Experiment::teleop})
+LoopExperiment experiment_of(const TuneOptions& options) {
+  for (const LoopExperiment e :
+       {LoopExperiment::wall, LoopExperiment::damping, LoopExperiment::teleop})
     if (options.experiment == name_of(e)) return e;
   throw ConfigError{fmt::format(
       "--experiment {}: no such experiment; there are wall, damping, teleop", options.experiment)};
 }
 
 void check(const TuneOptions& options) {
-  const bool damps = experiment_of(options) == Experiment::damping;
+  const bool damps = experiment_of(options) == LoopExperiment::damping;
   if (damps && (options.damping_Ns_per_m != 0.0 || !options.map_damping.empty())) {
     throw ConfigError{"--damping-Ns-per-m, --map: the damping is what this experiment looks for"};
   }
   if (!damps && options.stiffness_N_per_m != 0.0) {
     throw ConfigError{"--stiffness-N-per-m: the stiffness is what this experiment looks for"};
   }
-  if (options.press_N != 0.0 && experiment_of(options) != Experiment::wall) {
+  if (options.press_N != 0.0 && experiment_of(options) != LoopExperiment::wall) {
     throw ConfigError{"--press-N: only the wall is pressed"};
   }
   if (options.hand != "none" && options.points > 1) {
@@ -59,7 +60,7 @@ bool is_simulated(const std::string& name) { return name == "sim" || name.starts
 
 Bench open_bench(const TuneOptions& options) {
   Bench bench;
-  const bool pair = experiment_of(options) == Experiment::teleop;
+  const bool pair = experiment_of(options) == LoopExperiment::teleop;
   bench.names = pair ? std::vector<std::string>{options.master, options.slave}
                      : std::vector<std::string>{options.device};
   bench.time_waits =

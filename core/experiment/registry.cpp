@@ -13,14 +13,13 @@ extern const ExperimentKind teleop_experiment;
 extern const ExperimentKind gravity_experiment;
 extern const ExperimentKind computed_torque_experiment;
 extern const ExperimentKind virtual_wall_experiment;
+extern const ExperimentKind marginal_gain_experiment;
 
 namespace {
 
 constexpr std::array kExperiments{
-    &teleop_experiment,
-    &gravity_experiment,
-    &computed_torque_experiment,
-    &virtual_wall_experiment,
+    &teleop_experiment,       &gravity_experiment,       &computed_torque_experiment,
+    &virtual_wall_experiment, &marginal_gain_experiment,
 };
 
 }  // namespace
