@@ -48,9 +48,6 @@ void check(const TuneOptions& options) {
   if (!damps && options.stiffness_N_per_m != 0.0) {
     throw ConfigError{"--stiffness-N-per-m: the stiffness is what this experiment looks for"};
   }
-  if (options.press_N != 0.0 && experiment_of(options) != LoopExperiment::wall) {
-    throw ConfigError{"--press-N: only the wall is pressed"};
-  }
   if (options.hand != "none" && options.points > 1) {
     throw ConfigError{"--hand: it holds the tool at home and would not let go; take --points 1"};
   }
@@ -113,7 +110,7 @@ nlohmann::json asked_of(const TuneOptions& o,
       {"devices", bench.names},
       {"hand", o.hand},
       {"velocity", {o.velocity, o.mean_samples, o.cutoff_Hz}},
-      {"law", {o.stiffness_N_per_m, o.press_N, o.peer_delay_samples}},
+      {"law", {o.stiffness_N_per_m, o.peer_delay_samples}},
       {"search", {o.amplitude_mm, o.width_percent, o.most_seconds, o.rate_Hz}},
       {"bounds", {o.bounds.speed_m_per_s, o.bounds.force_N, o.bounds.travel_m, o.bounds.energy_J}},
       {"real_time", !bench.time_waits},
@@ -127,7 +124,6 @@ PointConfig point_config(const TuneOptions& options, const TuneJob& job) {
                        .axis = job.axis,
                        .stiffness_N_per_m = options.stiffness_N_per_m,
                        .damping_Ns_per_m = job.damping_Ns_per_m,
-                       .press_N = options.press_N,
                        .peer_delay_samples = options.peer_delay_samples};
   config.experiment.velocity.kind = options.velocity;
   config.experiment.velocity.mean.samples = options.mean_samples;
@@ -191,6 +187,19 @@ bool draw(const TuneOptions& options,
   return drawn;
 }
 
+void go_to(const Bench& bench, const JointVector& q, double period_s) {
+  std::vector<MovedArm> moved;
+  for (std::size_t i = 0; i < bench.arms.size(); ++i)
+    moved.push_back({.arm = bench.arms[i].get(), .model = &bench.models[i]});
+  move_to(moved, *bench.clock, q, {.period_s = period_s});
+}
+
+/// What cannot be had is refused before anything moves.
+void check_estimator(const TuneOptions& options) {
+  const PointConfig config = point_config(options, {});
+  (void)VelocityEstimator{config.experiment.velocity, JointVector::Constant(1e4)};
+}
+
 /// One search: to the pose, the probes, and what theory says.
 TunedPoint tune_job(const TuneOptions& options,
                     Bench& bench,
@@ -201,14 +210,12 @@ TunedPoint tune_job(const TuneOptions& options,
                            .time_waits = bench.time_waits,
                            .period_s = 1.0 / options.rate_Hz};
   std::vector<ToolFrame> frames;
-  std::vector<MovedArm> moved;
   for (std::size_t i = 0; i < bench.arms.size(); ++i) {
     Arm& arm = *bench.arms[i];
-    moved.push_back({.arm = &arm, .model = &bench.models[i]});
     frames.push_back(frame_at(bench.models[i], arm.info(), job.q));
     ports.arms.push_back(&arm);
   }
-  move_to(moved, *bench.clock, job.q, {.period_s = ports.period_s});
+  go_to(bench, job.q, ports.period_s);
   TunedPoint point{.job = job};
   point.result = tune_point(config, frames, ports, std::move(history));
   const auto theory = theory_of({.devices = bench.names,
@@ -224,6 +231,7 @@ TunedPoint tune_job(const TuneOptions& options,
 
 int run_tune(const TuneOptions& options) {
   check(options);
+  check_estimator(options);
   StopSignal stop;
   Bench bench = open_bench(options);
   const std::vector<TuneJob> jobs = jobs_of(options, bench.models[0]);
@@ -247,6 +255,10 @@ int run_tune(const TuneOptions& options) {
     points.push_back(tune_job(options, bench, jobs[i], config, journal.done(i)));
     if (points.back().result.stopped) break;
   }
+  // Home, where the weight is balanced best, before the amplifiers go off.
+  go_to(bench, JointVector::Zero(), 1.0 / options.rate_Hz);
+  for (const auto& arm : bench.arms)
+    arm->amplifiers(false);
 
   const nlohmann::json json = report_json(options, points);
   write_json(folder / "tune.json", json);

@@ -26,7 +26,6 @@ struct TuneOptions {
   int mean_samples = 100;
   double cutoff_Hz = 300.0;
   int peer_delay_samples = 0;
-  double press_N = 0.0;
   double amplitude_mm = 0.0;
   double width_percent = 1.0;
   double most_seconds = 120.0;

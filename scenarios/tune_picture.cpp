@@ -108,7 +108,7 @@ std::string workspace_gains_picture(const TuneOptions& options,
       "set size ratio -1\nset xlabel \"z (mm), towards the user\"\nset ylabel \"y (mm), up\"\n"
       "set title \"{}, axis {}: gain of marginal stability\"\n"
       "set cblabel \"{}\"\nset palette defined (0 \"#d55e00\", 0.5 \"#f0e442\", 1 \"#0072b2\")\n"
-      "unset key\n",
+      "unset key\nset xtics 100\nset ytics 100\n",
       title_of(options), gnuplot_text(options.axis), unit_text(options));
   add(script, "set label 1 \"worst: {:.4g}\" at {:.2f},{:.2f} left offset 2.0,-1.4 front\n",
       points[worst].result.crossing->gain, 1e3 * at.z(), 1e3 * at.y());

@@ -31,9 +31,6 @@ void add_law(CLI::App& verb, TuneOptions& o) {
                   "age of the other arm's motion in samples (teleop)")
       ->check(CLI::Range(0, 16))
       ->capture_default_str();
-  verb.add_option("--press-N", o.press_N, "constant force along the axis (wall)")
-      ->check(CLI::Range(-5.0, 5.0))
-      ->capture_default_str();
 }
 
 void add_safety(CLI::App& verb, TuneOptions& o) {

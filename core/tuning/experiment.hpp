@@ -63,7 +63,6 @@ struct ExperimentConfig {
   std::size_t axis = 0;                  ///< 0, 1, 2: x, y, z
   double stiffness_N_per_m = 0.0;        ///< G where B is looked for
   double damping_Ns_per_m = 0.0;         ///< B where G is looked for
-  double press_N = 0.0;                  ///< constant force along the axis (wall)
   VelocityEstimator::Config velocity{};  ///< of the law
   int peer_delay_samples = 0;            ///< age of the other arm's motion (teleop)
   double hold_stiffness_N_per_m = 60.0;

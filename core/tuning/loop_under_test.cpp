@@ -61,7 +61,7 @@ double LoopUnderTest::law(std::size_t arm, double gain) const noexcept {
     const Motion& peer = sides_[1 - arm].motion[age];
     force += G * peer.x + B * peer.v;
   }
-  return force + config_.press_N;
+  return force;
 }
 
 LoopUnderTest::Turn LoopUnderTest::step(const std::array<ArmState, kMostArms>& arms,

@@ -35,7 +35,7 @@ Eigen::MatrixXd hankel_gram(std::span<const double> y, Eigen::Index rows) {
 
 }  // namespace
 
-std::vector<Mode> find_modes(std::span<const double> y, double dt_s, double noise_std) {
+std::vector<FreeMode> find_modes(std::span<const double> y, double dt_s, double noise_std) {
   expects(dt_s > 0.0 && y.size() >= 8, "modes: a record and its sample time");
   const auto size = static_cast<Eigen::Index>(y.size());
   const Eigen::Index rows = std::min(size / 2, kMostRows);
@@ -56,7 +56,7 @@ std::vector<Mode> find_modes(std::span<const double> y, double dt_s, double nois
   const Eigen::MatrixXd shift =
       U.topRows(rows - 1).colPivHouseholderQr().solve(U.bottomRows(rows - 1));
 
-  std::vector<Mode> modes;
+  std::vector<FreeMode> modes;
   for (const std::complex<double>& z : shift.eigenvalues()) {
     const bool mirrored = z.imag() < 0.0;
     if (mirrored || std::abs(z) < 1e-3) continue;
@@ -64,7 +64,7 @@ std::vector<Mode> find_modes(std::span<const double> y, double dt_s, double nois
         {.growth_per_s = std::log(std::abs(z)) / dt_s, .omega_rad_per_s = std::arg(z) / dt_s});
   }
   std::sort(modes.begin(), modes.end(),
-            [](const Mode& a, const Mode& b) { return a.growth_per_s > b.growth_per_s; });
+            [](const FreeMode& a, const FreeMode& b) { return a.growth_per_s > b.growth_per_s; });
   return modes;
 }
 

@@ -6,7 +6,7 @@
 namespace teleop {
 
 /// One term of a free response: A e^{σ t} cos(ω t + φ).
-struct Mode {
+struct FreeMode {
   double growth_per_s = 0.0;     ///< σ
   double omega_rad_per_s = 0.0;  ///< ω, not negative; 0: the term does not oscillate
 };
@@ -19,9 +19,9 @@ struct Mode {
 ///
 /// Good to start a least-squares fit from (oscillation.hpp), which is what gives the uncertainty.
 /// @pre dt_s > 0, at least 8 samples. Thread: any; it allocates, so not for a loop.
-[[nodiscard]] std::vector<Mode> find_modes(std::span<const double> y,
-                                           double dt_s,
-                                           double noise_std);
+[[nodiscard]] std::vector<FreeMode> find_modes(std::span<const double> y,
+                                               double dt_s,
+                                               double noise_std);
 
 inline constexpr int kMostPoles = 8;
 

@@ -19,12 +19,12 @@ constexpr int kMostIterations = 40;
 /// Model and its derivatives at one set of parameters. Layout: c0, c1, then per mode (σ, ω, a, b)
 /// or, where it does not oscillate, (σ, a); last, if bent, ρ of mode 0.
 struct Model {
-  std::vector<Mode> modes;
+  std::vector<FreeMode> modes;
   bool bent = false;
 
   [[nodiscard]] Eigen::Index size() const {
     Eigen::Index n = bent ? 3 : 2;
-    for (const Mode& mode : modes)
+    for (const FreeMode& mode : modes)
       n += mode.omega_rad_per_s > 0.0 ? 4 : 2;
     return n;
   }
@@ -97,7 +97,7 @@ Eigen::VectorXd start(const Model& model, const Record& record, double middle_s)
   Eigen::VectorXd p = Eigen::VectorXd::Zero(model.size());
   std::vector<Eigen::Index> linear{0, 1};
   Eigen::Index at = 2;
-  for (const Mode& mode : model.modes) {
+  for (const FreeMode& mode : model.modes) {
     const bool turns = mode.omega_rad_per_s > 0.0;
     p[at] = mode.growth_per_s;
     if (turns) p[at + 1] = mode.omega_rad_per_s;
@@ -171,13 +171,15 @@ std::optional<Fit> refine(const Model& model,
 
 /// Modes worth fitting: what dies within a few samples or barely bends over the record is left to
 /// the first samples and to the straight line.
-std::vector<Mode> worth_fitting(const std::vector<Mode>& found, double dt_s, double span_s) {
-  std::vector<Mode> kept;
-  for (const Mode& mode : found) {
+std::vector<FreeMode> worth_fitting(const std::vector<FreeMode>& found,
+                                    double dt_s,
+                                    double span_s) {
+  std::vector<FreeMode> kept;
+  for (const FreeMode& mode : found) {
     const bool lives = mode.growth_per_s > -0.7 / dt_s;
     const bool turns = mode.omega_rad_per_s * span_s > 2.5;
     // An envelope that is no exponential looks like several of one frequency; the bend is for that.
-    const bool is_new = std::none_of(kept.begin(), kept.end(), [&](const Mode& other) {
+    const bool is_new = std::none_of(kept.begin(), kept.end(), [&](const FreeMode& other) {
       constexpr double kApart = 0.5;  // turns over the record
       return std::abs(other.omega_rad_per_s - mode.omega_rad_per_s) * span_s <
              2.0 * std::numbers::pi * kApart;
@@ -201,7 +203,7 @@ std::vector<Place> standing_out(const Fit& fit, double noise_std, double half_sp
     return std::hypot(fit.p[at + 2], fit.p[at + 3]) * std::exp(std::abs(fit.p[at]) * half_span_s);
   };
   Eigen::Index at = 2;
-  for (const Mode& mode : fit.model.modes) {
+  for (const FreeMode& mode : fit.model.modes) {
     const bool turns = mode.omega_rad_per_s > 0.0;
     if (turns) largest_of_all = std::max(largest_of_all, largest_at(at));
     at += turns ? 4 : 2;
@@ -321,7 +323,7 @@ std::vector<Oscillation> fit_oscillations(const Record& record,
   return found;
 }
 
-Phasor phasor_of(const Record& record, const Mode& mode) {
+Phasor phasor_of(const Record& record, const FreeMode& mode) {
   const double middle_s = 0.5 * (record.t_s.front() + record.t_s.back());
   const Model model{.modes = {mode}};
   const Eigen::VectorXd p = start(model, record, middle_s);

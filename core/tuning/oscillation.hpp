@@ -55,6 +55,6 @@ struct Phasor {
   double in_phase = 0.0;    ///< a
   double quadrature = 0.0;  ///< b
 };
-[[nodiscard]] Phasor phasor_of(const Record& record, const Mode& mode);
+[[nodiscard]] Phasor phasor_of(const Record& record, const FreeMode& mode);
 
 }  // namespace teleop

@@ -13,7 +13,8 @@
 namespace teleop {
 
 /// What no probe may exceed. A probe is stopped at kStopShare of each, so that what happens until
-/// the stop takes effect stays within.
+/// the stop takes effect stays within. Travel stays within as far as the safe law can brake what
+/// the bound on speed lets through.
 struct ProbeBounds {
   double speed_m_per_s = 1.0;  ///< of each tool along the axis
   double force_N = 8.0;        ///< commanded along the axis; more is cut, so never exceeded

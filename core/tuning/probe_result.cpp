@@ -49,7 +49,7 @@ Channels channels_of(const ProbeTrace& trace,
   return c;
 }
 
-std::vector<ShapeEntry> shape_of(const Channels& c, std::size_t arms, const Mode& mode) {
+std::vector<ShapeEntry> shape_of(const Channels& c, std::size_t arms, const FreeMode& mode) {
   std::vector<ShapeEntry> shape;
   ShapeEntry largest;
   for (std::size_t i = 0; i < arms; ++i) {
@@ -74,7 +74,7 @@ double leverage(const Channels& c,
                 const std::vector<double>& signal,
                 const Analysis& how,
                 std::size_t arms,
-                const Mode& mode) {
+                const FreeMode& mode) {
   const Phasor whole = phasor_of({.t_s = c.t_s, .y = signal}, mode);
   double largest = 0.0;
   for (std::size_t i = 0; i < arms; ++i) {
@@ -84,7 +84,7 @@ double leverage(const Channels& c,
   return largest / std::max(std::hypot(whole.in_phase, whole.quadrature), 1e-12);
 }
 
-Mode mode_of(const Oscillation& o) {
+FreeMode mode_of(const Oscillation& o) {
   return {.growth_per_s = o.growth_per_s,
           .omega_rad_per_s = 2.0 * std::numbers::pi * o.frequency_Hz};
 }

@@ -120,11 +120,11 @@ TEST(Probe, StaysWithinItsBoundsWhateverThePlantAndThePush) {
                                   .damping_Ns_per_m = random.uniform(0.5, 5.0),
                                   .delay_s = random.uniform(0.0, 2.9e-3),
                                   .lag_s = random.uniform(0.0, 1e-3)};
-    const ProbeBounds bounds{.speed_m_per_s = 1.0, .force_N = 5.0, .travel_m = 0.012};
+    const ProbeBounds bounds{.speed_m_per_s = 0.4, .force_N = 3.0, .travel_m = 0.02};
     Rig rig{axis, bounds};
     const double marginal = axis.damping_Ns_per_m / (0.5e-3 + axis.delay_s + axis.lag_s);
     double most_force = 0.0;
-    rig.run({.gain = marginal * random.uniform(1.0, 3.0),
+    rig.run({.gain = marginal * random.uniform(1.0, 2.5),
              .safe_gain = 0.2 * marginal,
              .push_N = random.uniform(0.1, 0.8),
              .push_ticks = 4,
