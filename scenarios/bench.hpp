@@ -32,5 +32,6 @@ void report_rows(const std::vector<BenchRow>& rows, const BenchOptions& options)
 [[nodiscard]] int bench_link(const BenchOptions& options);
 [[nodiscard]] int bench_loop(const BenchOptions& options);
 [[nodiscard]] int bench_sim(const BenchOptions& options);
+[[nodiscard]] int bench_sweep(const BenchOptions& options);
 
 }  // namespace teleop

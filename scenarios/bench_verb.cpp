@@ -51,6 +51,7 @@ void add_bench(CLI::App& app, Action& action) {
   add("loop", "lateness of the loop, against cyclictest", bench_loop);
   add("sim", "simulated pair on simulated time, against real time", bench_sim);
   add_bench_tune(*bench, action);
+  add("sweep", "a sweep on two cores, against one", bench_sweep);
 }
 
 }  // namespace teleop

@@ -16,8 +16,8 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", std::string{kVersion});
   app.footer("The two sides as processes of their own: teleop-master --help, teleop-slave --help.");
   Action action;
-  for (const auto add :
-       {add_loopback, add_workspace, add_logs, add_velocity, add_effects, add_bench, add_tune}) {
+  for (const auto add : {add_loopback, add_workspace, add_logs, add_velocity, add_effects,
+                         add_frequency_response, add_run, add_sweep, add_bench, add_tune}) {
     add(app, action);
   }
   try {

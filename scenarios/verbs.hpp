@@ -17,7 +17,10 @@ void add_workspace(CLI::App& app, Action& action);
 void add_logs(CLI::App& app, Action& action);
 void add_velocity(CLI::App& app, Action& action);
 void add_effects(CLI::App& app, Action& action);
+void add_run(CLI::App& app, Action& action);
+void add_sweep(CLI::App& app, Action& action);
 void add_bench(CLI::App& app, Action& action);
 void add_tune(CLI::App& app, Action& action);
+void add_frequency_response(CLI::App& app, Action& action);
 
 }  // namespace teleop

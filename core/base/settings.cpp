@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <toml++/toml.h>
 
 #include "core/base/contract.hpp"
@@ -110,6 +111,27 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
+/// What could have stood in place of an unknown key: the keys of its table; where there is no such
+/// table, the tables and the keys outside any.
+std::string allowed_instead(const std::vector<Setting>& settings, const std::string& key) {
+  const std::string table = key.substr(0, key.rfind('.') + 1);
+  std::vector<std::string> names;
+  for (const Setting& setting : settings) {
+    const bool same = table.size() < setting.key.size() && setting.key.starts_with(table) &&
+                      setting.key.find('.', table.size()) == std::string::npos;
+    if (same) names.push_back(setting.key);
+  }
+  if (!names.empty() && !table.empty()) return fmt::format("{}", fmt::join(names, ", "));
+  names.clear();
+  for (const Setting& setting : settings) {
+    const std::size_t dot = setting.key.find('.');
+    const std::string name =
+        dot == std::string::npos ? setting.key : fmt::format("[{}]", setting.key.substr(0, dot));
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
 struct Printer {
   std::string operator()(const bool* value) const { return *value ? "true" : "false"; }
   std::string operator()(const int* value) const { return std::to_string(*value); }
@@ -142,19 +164,22 @@ void Settings::add(std::string key, Setting::Target target, std::string text, Ra
 }
 
 Setting& Settings::find(const std::string& key, const std::string& place) {
-  const Setting* closest = nullptr;
-  std::size_t best = 4;
   for (Setting& setting : settings_) {
     if (setting.key == key) return setting;
+  }
+  const Setting* closest = nullptr;
+  std::size_t best = 4;
+  for (const Setting& setting : settings_) {
     const std::size_t distance = edit_distance(setting.key, key);
     if (distance < best) {
       best = distance;
       closest = &setting;
     }
   }
-  throw ConfigError{fmt::format("{}: unknown key '{}'{}", place, key,
-                                closest == nullptr ? std::string{"; --print-config lists all keys"}
-                                                   : "; did you mean '" + closest->key + "'?")};
+  throw ConfigError{fmt::format("{}: unknown key '{}'; {}", place, key,
+                                closest == nullptr
+                                    ? "allowed: " + allowed_instead(settings_, key)
+                                    : fmt::format("did you mean '{}'?", closest->key))};
 }
 
 void Settings::load(const fs::path& file) {
@@ -171,7 +196,9 @@ void Settings::load(const fs::path& file) {
   load_text(text.str(), file.string());
 }
 
-void Settings::load_text(std::string_view text, const std::string& name) {
+void Settings::load_text(std::string_view text,
+                         const std::string& name,
+                         std::span<const std::string_view> others) {
   toml::table root;
   try {
     root = toml::parse(text, name);
@@ -184,6 +211,7 @@ void Settings::load_text(std::string_view text, const std::string& name) {
     for (const auto& [key, node] : table) {
       const std::string full =
           prefix.empty() ? std::string{key.str()} : prefix + '.' + std::string{key.str()};
+      if (std::find(others.begin(), others.end(), full) != others.end()) continue;
       if (const toml::table* inner = node.as_table()) {
         self(self, *inner, full);
         continue;

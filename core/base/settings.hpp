@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -50,8 +51,11 @@ class Settings {
   ///         out of range.
   void load(const std::filesystem::path& file);
 
-  /// The same for TOML text; `name` stands for the file in messages.
-  void load_text(std::string_view toml, const std::string& name);
+  /// The same for TOML text; `name` stands for the file in messages. Keys and tables that
+  /// are named in `others`, dotted, belong to another reader and are passed over.
+  void load_text(std::string_view toml,
+                 const std::string& name,
+                 std::span<const std::string_view> others = {});
 
   /// Sets one value from text as TOML would write it (strings may stay bare).
   /// @throws ConfigError naming the origin and the key.

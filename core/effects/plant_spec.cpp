@@ -16,21 +16,21 @@ namespace {
 
 constexpr const char* kEffectTables = "effect";
 
-void add_settings(Settings& settings, PlantSpec& plant) {
-  settings.add("arm", &plant.arm, "name or file of the arm");
-  settings.add("name", &plant.name, "of the plant, free text");
-  settings.add("sensing.quantised", &plant.sensing.quantised, "angles in encoder counts");
-  settings.add("drive.torque_command_step_Nm", &plant.drive.torque_command_step_Nm,
+void add_plain_settings(Settings& settings, const std::string& prefix, PlantSpec& plant) {
+  settings.add(prefix + "arm", &plant.arm, "name or file of the arm");
+  settings.add(prefix + "name", &plant.name, "of the plant, free text");
+  settings.add(prefix + "sensing.quantised", &plant.sensing.quantised, "angles in encoder counts");
+  settings.add(prefix + "drive.torque_command_step_Nm", &plant.drive.torque_command_step_Nm,
                "step of the torque command, 0: none", kNotNegative);
-  settings.add("drive.max_force_N", &plant.drive.max_force_N,
+  settings.add(prefix + "drive.max_force_N", &plant.drive.max_force_N,
                "limit of the command at the tool, 0: none", kNotNegative);
-  settings.add("drive.delay_samples", &plant.drive.delay_samples,
+  settings.add(prefix + "drive.delay_samples", &plant.drive.delay_samples,
                "readings from a write to its torque",
                {.low = 0.0, .high = static_cast<double>(kMaxDelaySamples)});
-  settings.add("watchdog.timeout_ms", &plant.watchdog.timeout_ms,
+  settings.add(prefix + "watchdog.timeout_ms", &plant.watchdog.timeout_ms,
                "without a write for so long torques are dropped, 0: never", kNotNegative);
-  settings.add("workspace.stops", &plant.workspace.stops, "the arm has its joint stops");
-  settings.add("integration.max_step_ms", &plant.integration.max_step_ms,
+  settings.add(prefix + "workspace.stops", &plant.workspace.stops, "the arm has its joint stops");
+  settings.add(prefix + "integration.max_step_ms", &plant.integration.max_step_ms,
                "longest step of the integrator", {.low = 0.001, .high = 2.0});
 }
 
@@ -136,7 +136,25 @@ void read_settings(const toml::table& table,
 
 }  // namespace
 
-PlantSpec parse_plant(std::string_view text, const std::string& file) {
+void add_settings(Settings& settings, const std::string& prefix, PlantSpec& plant) {
+  add_plain_settings(settings, prefix, plant);
+  std::map<std::string, int> seen;
+  for (EffectSpec& effect : plant.effects) {
+    const std::string axis = effect.axis ? fmt::format(".{}", *effect.axis + 1) : "";
+    const int number = ++seen[effect.kind + axis];
+    const std::string nth = number > 1 ? fmt::format("_{}", number) : "";
+    for (const EffectParameter& parameter : find_effect(effect.kind).parameters) {
+      const auto place = effect.parameters.try_emplace(std::string{parameter.name},
+                                                       parameter.standard.value_or(0.0));
+      settings.add(fmt::format("{}{}.{}{}{}.{}", prefix, kEffectTables, effect.kind, nth, axis,
+                               parameter.name),
+                   &place.first->second, fmt::format("{}, {}", parameter.text, parameter.unit),
+                   parameter.range);
+    }
+  }
+}
+
+PlantSpec parse_plant(std::string_view text, const std::string& file, const std::string& table) {
   toml::table root;
   try {
     root = toml::parse(text, file);
@@ -144,11 +162,13 @@ PlantSpec parse_plant(std::string_view text, const std::string& file) {
     throw ConfigError{
         fmt::format("{}:{}: not TOML: {}", file, error.source().begin.line, error.description())};
   }
+  const toml::table* own = table.empty() ? &root : root[table].as_table();
+  if (own == nullptr) throw ConfigError{fmt::format("{}: there is no table [{}]", file, table)};
   PlantSpec plant;
   Settings settings;
-  add_settings(settings, plant);
-  read_settings(root, "", file, settings);
-  if (const toml::node* effects = root.get(kEffectTables)) read_effects(*effects, file, plant);
+  add_plain_settings(settings, "", plant);
+  read_settings(*own, "", file, settings);
+  if (const toml::node* effects = own->get(kEffectTables)) read_effects(*effects, file, plant);
   return plant;
 }
 
@@ -162,7 +182,7 @@ PlantSpec load_plant(const std::string& name) {
 std::string to_toml(const PlantSpec& plant) {
   PlantSpec copy = plant;
   Settings settings;
-  add_settings(settings, copy);
+  add_plain_settings(settings, "", copy);
   std::string out;
   std::string table;
   for (const Setting& setting : settings.list()) {

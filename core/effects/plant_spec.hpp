@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/settings.hpp"
 #include "core/effects/effect.hpp"
 
 namespace teleop {
@@ -55,8 +56,19 @@ inline constexpr int kMaxDelaySamples = 16;
 /// @throws ConfigError naming file and line, and what is allowed there.
 [[nodiscard]] PlantSpec load_plant(const std::string& name);
 
-/// The same from TOML text; `file` stands for its name in messages.
-[[nodiscard]] PlantSpec parse_plant(std::string_view toml, const std::string& file);
+/// The same from TOML text, or from the table of that name in it; `file` stands for its name in
+/// messages.
+[[nodiscard]] PlantSpec parse_plant(std::string_view toml,
+                                    const std::string& file,
+                                    const std::string& table = {});
+
+/// Every number, switch and name of the plant, and of its effects
+///
+///     effect.KIND.AXIS.PARAMETER, effect.KIND.PARAMETER where the effect concerns the whole arm;
+///
+/// the second effect of the same kind and axis is KIND_2 and so on. What a file left out is given
+/// its standard value. The plant must not move or lose effects while the settings are used.
+void add_settings(Settings& settings, const std::string& prefix, PlantSpec& plant);
 
 /// The plant as TOML that load_plant() reads back to the same plant.
 [[nodiscard]] std::string to_toml(const PlantSpec& plant);

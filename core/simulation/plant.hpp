@@ -86,6 +86,9 @@ class Plant {
   /// Kinetic energy, masses of hand and grip included, weight and every spring, J.
   [[nodiscard]] double energy() noexcept;
 
+  /// Fastest rate at which hand, surface and effects act, 1/s; motors and stops apart.
+  [[nodiscard]] double fastest_rate() const noexcept { return fastest_rate_; }
+
   /// Events since the start.
   [[nodiscard]] std::uint64_t events() const noexcept { return events_; }
 
@@ -187,7 +190,8 @@ class Plant {
   bool peaks_ = false;
   bool ripples_ = false;
   bool tendons_ = false;
-  double inertia_ = 0.0;       ///< bound of the joints' inertias from below, kg m²
+  double inertia_ = 0.0;  ///< bound of the joints' inertias from below, kg m²
+  double fastest_rate_ = 0.0;
   double calm_step_ = 0.0;     ///< longest step, s, with neither surface nor stop
   double contact_step_ = 0.0;  ///< and with the surface
   double motor_step_ = 0.0;

@@ -101,6 +101,7 @@ void Plant::set_rates(const ArmModel& arm) {
   calm_step_ = step_for(seconds(config_.max_step), rate);
   contact_step_ = config_.contact ? step_for(calm_step_, config_.contact->rate(mass)) : calm_step_;
   motor_step_ = motor_step;
+  fastest_rate_ = std::max(rate, config_.contact ? config_.contact->rate(mass) : 0.0);
 }
 
 inline Vector3 Plant::tool_force(double s, const Look& at) const noexcept {

@@ -1,0 +1,100 @@
+#include "core/experiment/arm_rig.hpp"
+
+#include "core/effects/hand_motion.hpp"
+#include "core/experiment/scenario.hpp"
+#include "core/simulation/arm_sim.hpp"
+
+namespace teleop {
+namespace {
+
+std::unique_ptr<Arm> simulate(const Scenario& scenario,
+                              const ExperimentContext& context,
+                              Clock& clock) {
+  if (context.arm != nullptr) return nullptr;
+  return std::make_unique<SimulatedArm>(
+      SimulatedArm::Config{.plant = scenario.plant(), .seed = scenario.seed()}, clock);
+}
+
+/// The arm file of a simulated arm may have a name of its own, so the plant says which it is.
+ArmModel model_of(const Scenario& scenario, const ExperimentContext& context) {
+  return load_arm(context.arm == nullptr ? scenario.plant().arm : context.arm->arm.info().model);
+}
+
+}  // namespace
+
+ArmRig::ArmRig(const Config& config, const Scenario& scenario, const ExperimentContext& context)
+    : config_{config},
+      context_{context},
+      simulated_arm_{simulate(scenario, context, simulated_clock_)},
+      clock_{context.arm != nullptr ? context.arm->clock : simulated_clock_},
+      arm_{context.arm != nullptr ? context.arm->arm : *simulated_arm_},
+      model_{model_of(scenario, context)},
+      period_{static_cast<std::int64_t>(1e9 / config.rate_Hz)},
+      velocity_{config.velocity, arm_.info().counts_per_rev},
+      limiter_{config.limits},
+      servo_{config.servo, model_},
+      next_{clock_.now()} {}
+
+ArmRig::~ArmRig() { go_limp(); }
+
+void ArmRig::sense(const Tick& tick, Instant start) noexcept {
+  const ArmState state = arm_.read();
+  turn_.t_s = seconds(tick.due - start);
+  turn_.q = state.q;
+  turn_.qd = velocity_.step(
+      {.q = state.q, .period_ticks = state.period_ticks, .dt = seconds(tick.elapsed)});
+  if (state.fault != Fault::none) {
+    fault_ = state.fault;
+  } else if (!turn_.q.allFinite() || !turn_.qd.allFinite()) {
+    fault_ = Fault::state_not_finite;
+  } else if (turn_.qd.cwiseAbs().maxCoeff() > config_.max_joint_speed_rad_per_s) {
+    fault_ = Fault::joint_speed_exceeded;
+  }
+}
+
+void ArmRig::act(const JointVector& tau, double dt) noexcept {
+  const Limiter::Torque limited = limiter_.step(tau, dt);
+  if (limited.fault != Fault::none) {
+    fault_ = limited.fault;
+    go_limp();
+    return;
+  }
+  if (limited.limits.bits() != 0) ++cut_turns_;
+  arm_.write(limited.tau);
+  if (!on_) {
+    arm_.amplifiers(true);
+    on_ = true;
+  }
+}
+
+void ArmRig::go_limp() noexcept {
+  arm_.write(JointVector::Zero());
+  arm_.amplifiers(false);
+  limiter_.reset();
+  on_ = false;
+}
+
+ArmRig::Ending ArmRig::move_to(const JointVector& q, double length_s, double settle_s) noexcept {
+  std::optional<JointVector> from;
+  return run(length_s + settle_s, [&](const ArmTurn& turn) noexcept -> std::optional<JointVector> {
+    if (!from) from = turn.q;
+    const double u = turn.t_s < length_s ? turn.t_s / length_s : 1.0;
+    const JointVector way = q - *from;
+    return servo_.step(
+        turn.q, turn.qd,
+        {.q = *from + minimum_jerk(u) * way,
+         .qd = u < 1.0 ? JointVector{minimum_jerk_rate(u) / length_s * way} : JointVector::Zero()});
+  });
+}
+
+void add_settings(Settings& settings, ArmRig::Config& config) {
+  settings.add("rate_Hz", &config.rate_Hz, "turns of the loop a second",
+               {.low = 100.0, .high = 20000.0});
+  add_settings(settings, "velocity.", config.velocity);
+  add_settings(settings, "limits.", config.limits);
+  settings.add("limits.max_joint_speed_rad_per_s", &config.max_joint_speed_rad_per_s,
+               "a joint that is faster is a fault", kPositive);
+  add_settings(settings, "servo.", config.servo);
+}
+
+}  // namespace teleop
