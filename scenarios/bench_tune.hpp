@@ -23,7 +23,7 @@ struct BenchTuneOptions {
 /// delay 0–2.9 samples, amplifier lag 0–1 ms, half with a mode of 40–250 Hz, quantum 10–60 µm, a
 /// third for each experiment.
 struct TuneCase {
-  LoopExperiment experiment = LoopExperiment::wall;
+  GainExperiment experiment = GainExperiment::wall;
   std::size_t axis = 0;
   SampledLoop loop{};
   double quantum_m = 0.0;

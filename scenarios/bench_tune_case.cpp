@@ -82,18 +82,18 @@ class WatchedArm final : public Arm {
 TuneCase random_case(std::uint64_t seed, std::size_t index) {
   Random random{seed * 1'000'003 + index};
   TuneCase one;
-  one.experiment = static_cast<LoopExperiment>(index % 3);
+  one.experiment = static_cast<GainExperiment>(index % 3);
   one.axis = static_cast<std::size_t>(random.uniform(0.0, 3.0));
   one.loop.arms.push_back(random_axis(random, one.loop.period_s));
-  if (one.experiment == LoopExperiment::teleop) {
+  if (one.experiment == GainExperiment::teleop) {
     one.loop.arms.push_back(random_axis(random, one.loop.period_s));
   }
   const int samples = static_cast<int>(std::lround(8.0 * std::pow(100.0 / 8.0, random.uniform())));
-  if (one.experiment == LoopExperiment::damping) {
+  if (one.experiment == GainExperiment::damping) {
     one.loop.velocity = {.kind = "mean", .mean = {.samples = samples}};
   }
   one.quantum_m = random.uniform(10e-6, 60e-6);
-  const bool damps = one.experiment == LoopExperiment::damping;
+  const bool damps = one.experiment == GainExperiment::damping;
   one.margin = nyquist_margin(one.loop, damps ? TunedGain::damping : TunedGain::stiffness);
   return one;
 }

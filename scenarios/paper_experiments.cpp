@@ -71,7 +71,7 @@ PlantSpec plant_of(const PaperSet& set, const Make& make) {
 
 /// A search at home on one arm or a pair of equal ones.
 struct Search {
-  LoopExperiment experiment = LoopExperiment::wall;
+  GainExperiment experiment = GainExperiment::wall;
   std::size_t axis = kY;
   VelocityEstimator::Config velocity{};
   double amplitude_m = 0.0;
@@ -82,7 +82,7 @@ PointResult search_on(const PlantSpec& plant, const Search& search) {
   std::vector<std::unique_ptr<SimulatedArm>> arms;
   ProbeRunner::Ports ports{.clock = &clock, .time_waits = true};
   std::vector<ToolFrame> frames;
-  const std::size_t number = search.experiment == LoopExperiment::teleop ? 2 : 1;
+  const std::size_t number = search.experiment == GainExperiment::teleop ? 2 : 1;
   for (std::size_t i = 0; i < number; ++i) {
     arms.push_back(std::make_unique<SimulatedArm>(SimulatedArm::Config{.plant = plant}, clock));
     ports.arms.push_back(arms.back().get());
@@ -141,7 +141,7 @@ PaperRow damping(PaperRowId id, const PaperSet& set, const Make& make) {
   if (id == PaperRowId::damping_16) velocity = {.kind = "period", .period = {.samples = 16}};
   // The tool with the least mass is the first to oscillate: z at home.
   PaperRow row = row_of(id,
-                        search_on(plant_of(set, make), {.experiment = LoopExperiment::damping,
+                        search_on(plant_of(set, make), {.experiment = GainExperiment::damping,
                                                         .axis = kZ,
                                                         .velocity = velocity,
                                                         .amplitude_m = 1e-3}),
@@ -155,7 +155,7 @@ PointResult worst_loop_gain(const PlantSpec& plant, std::size_t axes) {
   PointResult worst;
   for (std::size_t axis = 0; axis < axes; ++axis) {
     PointResult result =
-        search_on(plant, {.experiment = LoopExperiment::teleop, .axis = axis, .amplitude_m = 1e-3});
+        search_on(plant, {.experiment = GainExperiment::teleop, .axis = axis, .amplitude_m = 1e-3});
     const bool less =
         result.crossing && (!worst.crossing || result.crossing->gain < worst.crossing->gain);
     if (less || axis == 0) worst = std::move(result);

@@ -32,16 +32,16 @@ struct Bench {
   std::vector<ArmModel> models;
 };
 
-LoopExperiment experiment_of(const TuneOptions& options) {
-  for (const LoopExperiment e :
-       {LoopExperiment::wall, LoopExperiment::damping, LoopExperiment::teleop})
+GainExperiment experiment_of(const TuneOptions& options) {
+  for (const GainExperiment e :
+       {GainExperiment::wall, GainExperiment::damping, GainExperiment::teleop})
     if (options.experiment == name_of(e)) return e;
   throw ConfigError{fmt::format(
       "--experiment {}: no such experiment; there are wall, damping, teleop", options.experiment)};
 }
 
 void check(const TuneOptions& options) {
-  const bool damps = experiment_of(options) == LoopExperiment::damping;
+  const bool damps = experiment_of(options) == GainExperiment::damping;
   if (damps && (options.damping_Ns_per_m != 0.0 || !options.map_damping.empty())) {
     throw ConfigError{"--damping-Ns-per-m, --map: the damping is what this experiment looks for"};
   }
@@ -57,7 +57,7 @@ bool is_simulated(const std::string& name) { return name == "sim" || name.starts
 
 Bench open_bench(const TuneOptions& options) {
   Bench bench;
-  const bool pair = experiment_of(options) == LoopExperiment::teleop;
+  const bool pair = experiment_of(options) == GainExperiment::teleop;
   bench.names = pair ? std::vector<std::string>{options.master, options.slave}
                      : std::vector<std::string>{options.device};
   bench.time_waits =

@@ -21,9 +21,9 @@ nlohmann::json number_or_null(bool has, double value) {
   return has ? nlohmann::json(value) : nlohmann::json(nullptr);
 }
 
-LoopExperiment experiment_of(const TuneOptions& options) {
-  if (options.experiment == "damping") return LoopExperiment::damping;
-  return options.experiment == "teleop" ? LoopExperiment::teleop : LoopExperiment::wall;
+GainExperiment experiment_of(const TuneOptions& options) {
+  if (options.experiment == "damping") return GainExperiment::damping;
+  return options.experiment == "teleop" ? GainExperiment::teleop : GainExperiment::wall;
 }
 
 nlohmann::json point_json(const TuneOptions& options, const TunedPoint& p) {

@@ -57,7 +57,7 @@ std::optional<AnalyticMargin> theory_of(const TheoryAsk& ask) {
                    .period_s = ask.period_s,
                    .peer_delay_samples = ask.experiment.peer_delay_samples};
   if (!simulated || !is_linear(loop)) return std::nullopt;
-  const bool damps = ask.experiment.experiment == LoopExperiment::damping;
+  const bool damps = ask.experiment.experiment == GainExperiment::damping;
   const TunedGain tuned = damps ? TunedGain::damping : TunedGain::stiffness;
   (damps ? loop.damping_Ns_per_m : loop.stiffness_N_per_m) = 0.0;
   // The frequency decides how much of Coulomb friction is felt, and the other way round.

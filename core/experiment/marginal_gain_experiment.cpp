@@ -24,7 +24,6 @@ class MarginalGainExperiment final : public Experiment {
                  kNotNegative);
     settings.add("run.damping_Ns_per_m", &damping_, "of the law, where stiffness is looked for",
                  kNotNegative);
-    settings.add("run.press_N", &press_N_, "into the wall, always", {.low = 0.0, .high = 6.0});
     settings.add("run.amplitude_mm", &amplitude_mm_,
                  "of the oscillation that neither grows nor dies; 0: 10 counts, at least 0.3 mm",
                  {.low = 0.0, .high = 5.0});
@@ -66,7 +65,6 @@ class MarginalGainExperiment final : public Experiment {
                          .axis = static_cast<std::size_t>(axis_[0] - 'x'),
                          .stiffness_N_per_m = stiffness_,
                          .damping_Ns_per_m = damping_,
-                         .press_N = press_N_,
                          .velocity = velocity_};
     config.search.width = width_;
     config.search.most_arm_seconds = most_arm_seconds_;
@@ -78,9 +76,9 @@ class MarginalGainExperiment final : public Experiment {
   }
 
  private:
-  [[nodiscard]] std::optional<LoopExperiment> wanted() const {
-    for (const LoopExperiment each :
-         {LoopExperiment::wall, LoopExperiment::damping, LoopExperiment::teleop}) {
+  [[nodiscard]] std::optional<GainExperiment> wanted() const {
+    for (const GainExperiment each :
+         {GainExperiment::wall, GainExperiment::damping, GainExperiment::teleop}) {
       if (experiment_ == name_of(each)) return each;
     }
     return std::nullopt;
@@ -110,7 +108,6 @@ class MarginalGainExperiment final : public Experiment {
   std::string axis_ = "y";
   double stiffness_ = 0.0;
   double damping_ = 0.0;
-  double press_N_ = 0.0;
   double amplitude_mm_ = 0.0;
   double width_ = 0.01;
   double most_arm_seconds_ = 120.0;

@@ -22,22 +22,22 @@ namespace teleop {
 ///                                         the margin of a wall in which the tool stays pressed
 ///     damping   u = −G x − B v            B is looked for
 ///     teleop    u_m = −G (x_m − x_s) − B (v_m − v_s), u_s = −u_m          G is looked for
-enum class LoopExperiment : std::uint8_t { wall, damping, teleop };
+enum class GainExperiment : std::uint8_t { wall, damping, teleop };
 
-[[nodiscard]] constexpr std::string_view name_of(LoopExperiment experiment) noexcept {
+[[nodiscard]] constexpr std::string_view name_of(GainExperiment experiment) noexcept {
   switch (experiment) {
-    case LoopExperiment::wall:
+    case GainExperiment::wall:
       return "wall";
-    case LoopExperiment::damping:
+    case GainExperiment::damping:
       return "damping";
-    case LoopExperiment::teleop:
+    case GainExperiment::teleop:
       return "teleop";
   }
   return "unknown";
 }
 
-[[nodiscard]] constexpr std::string_view unit_of(LoopExperiment experiment) noexcept {
-  return experiment == LoopExperiment::damping ? "N s/m" : "N/m";
+[[nodiscard]] constexpr std::string_view unit_of(GainExperiment experiment) noexcept {
+  return experiment == GainExperiment::damping ? "N s/m" : "N/m";
 }
 
 inline constexpr std::size_t kMostArms = 2;
@@ -59,7 +59,7 @@ struct ToolFrame {
 /// What is tried: the experiment, the law's fixed parts and the weak loops that hold the other axes
 /// and, between probes, the axis under test as well.
 struct ExperimentConfig {
-  LoopExperiment experiment = LoopExperiment::wall;
+  GainExperiment experiment = GainExperiment::wall;
   std::size_t axis = 0;                  ///< 0, 1, 2: x, y, z
   double stiffness_N_per_m = 0.0;        ///< G where B is looked for
   double damping_Ns_per_m = 0.0;         ///< B where G is looked for

@@ -15,7 +15,7 @@ constexpr double kHoldCutoff_Hz = 20.0;
 
 LoopUnderTest::LoopUnderTest(const ExperimentConfig& config, const std::vector<ToolFrame>& frames)
     : config_{config}, axis_{static_cast<Eigen::Index>(config.axis)} {
-  const bool pair = config.experiment == LoopExperiment::teleop;
+  const bool pair = config.experiment == GainExperiment::teleop;
   expects(frames.size() == (pair ? 2U : 1U), "loop under test: one frame an arm");
   expects(config.axis < 3, "loop under test: axis x, y or z");
   const auto most = static_cast<int>(kMostDelay);
@@ -51,7 +51,7 @@ void LoopUnderTest::sense(Side& side, const ArmState& arm, double dt) noexcept {
 }
 
 double LoopUnderTest::law(std::size_t arm, double gain) const noexcept {
-  const bool damps = config_.experiment == LoopExperiment::damping;
+  const bool damps = config_.experiment == GainExperiment::damping;
   const double G = damps ? config_.stiffness_N_per_m : gain;
   const double B = damps ? gain : config_.damping_Ns_per_m;
   const Motion& own = sides_[arm].motion[0];

@@ -175,7 +175,7 @@ double MarginalSearch::default_amplitude(double quantum_m) noexcept {
 }
 
 MarginalSearch::MarginalSearch(const Config& config) : config_{config} {
-  const bool damps = config.experiment == LoopExperiment::damping;
+  const bool damps = config.experiment == GainExperiment::damping;
   if (config_.start_gain <= 0.0) config_.start_gain = damps ? 0.05 : 8.0;
   if (config_.most_gain <= 0.0) config_.most_gain = damps ? 200.0 : 100'000.0;
 }

@@ -36,7 +36,7 @@ enum class SearchEnd : std::uint8_t {
 class MarginalSearch {
  public:
   struct Config {
-    LoopExperiment experiment = LoopExperiment::wall;
+    GainExperiment experiment = GainExperiment::wall;
     double period_s = 1e-3;
     double memory_s = 0.02;     ///< of the law: as in ProbePlan
     double quantum_m = 27e-6;   ///< of the coarsest tool

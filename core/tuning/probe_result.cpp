@@ -93,7 +93,7 @@ void find_oscillations(const Channels& c,
                        const Analysis& how,
                        double amplitude_m,
                        ProbeResult& result) {
-  const bool pair = how.experiment == LoopExperiment::teleop;
+  const bool pair = how.experiment == GainExperiment::teleop;
   const std::size_t arms = pair ? 2 : 1;
   std::vector<double> signal = c.d[0][how.axis];
   if (pair) {
@@ -181,7 +181,7 @@ ProbeResult analyse(const Analysis& how,
                     const ProbeRunner::Timing& timing,
                     const ProbeTrace& trace) {
   ProbeResult result{.plan = plan, .outcome = outcome, .timing = timing};
-  const std::size_t arms = how.experiment == LoopExperiment::teleop ? 2 : 1;
+  const std::size_t arms = how.experiment == GainExperiment::teleop ? 2 : 1;
   const Channels c = channels_of(trace, arms, plan, how.period_s);
   if (!c.t_s.empty()) find_oscillations(c, how, plan.amplitude_m, result);
   const int turned_back = turns_back(c.d[0][how.axis], how.quantum_m);

@@ -44,7 +44,7 @@ struct ProbeResult {
 };
 
 struct Analysis {
-  LoopExperiment experiment = LoopExperiment::wall;
+  GainExperiment experiment = GainExperiment::wall;
   std::size_t axis = 0;
   double quantum_m = 0.0;
   double period_s = 1e-3;  ///< of the loop

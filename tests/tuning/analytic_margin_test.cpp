@@ -1,9 +1,11 @@
 #include "core/tuning/analytic_margin.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -141,6 +143,49 @@ TEST(AnalyticMargin, IsTheSameByFrequencyAndByEigenvalues) {
     }
   }
   EXPECT_GT(compared, 30);
+}
+
+/// Readings of a LinearAxis under the law u = −G y, from a push on.
+std::vector<double> readings(const LinearAxis::Config& config, double gain, std::size_t count) {
+  LinearAxis axis{config};
+  std::vector<double> y;
+  for (std::size_t k = 0; k < count; ++k) {
+    y.push_back(axis.reading());
+    axis.command(k == 0 ? 0.01 : -gain * y.back());
+    Duration left{1'000'000};
+    while (left > Duration{0}) {
+      const Duration piece = std::min(left, axis.until_switch());
+      axis.advance(piece);
+      left -= piece;
+    }
+  }
+  return y;
+}
+
+/// A plant that is simulated tick by tick grows as the largest eigenvalue says.
+TEST(SampledLoop, GrowsAsTheSimulatedPlantDoes) {
+  Random random{12};
+  for (int i = 0; i < 20; ++i) {
+    LinearAxis::Config arm{.mass_kg = random.uniform(0.02, 0.1),
+                           .damping_Ns_per_m = random.uniform(0.5, 4.0),
+                           .delay_s = random.uniform(0.0, 2.9e-3),
+                           .lag_s = i % 2 == 0 ? 0.0 : 5e-4};
+    if (i % 3 != 0) arm.tendon_N_per_m = random.uniform(2e4, 5e4);
+    SampledLoop loop{.arms = {arm}};
+    const auto margin = nyquist_margin(loop, TunedGain::stiffness);
+    ASSERT_TRUE(margin) << i;
+    loop.stiffness_N_per_m = 1.1 * margin->gain;
+    constexpr std::size_t kCount = 3000;
+    const std::vector<double> y = readings(arm, loop.stiffness_N_per_m, kCount);
+    const auto rms = [&](std::size_t from, std::size_t to) {
+      double sum = 0.0;
+      for (std::size_t k = from; k < to; ++k)
+        sum += y[k] * y[k];
+      return std::sqrt(sum);
+    };
+    const double growth = std::log(rms(2000, 3000) / rms(1000, 2000)) / 1000.0;
+    EXPECT_NEAR(growth / std::log(spectral_radius(loop)), 1.0, 0.02) << i;
+  }
 }
 
 }  // namespace

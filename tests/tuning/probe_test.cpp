@@ -45,7 +45,7 @@ struct Rig {
   explicit Rig(const LinearAxis::Config& axis, const ProbeBounds& bounds = {})
       : arm{{.axes = {LinearAxis::Config{}, axis, LinearAxis::Config{}}, .quantum_m = 20e-6},
             clock},
-        loop{{.experiment = LoopExperiment::wall,
+        loop{{.experiment = GainExperiment::wall,
               .axis = 1,
               .hold_stiffness_N_per_m = 10.0,
               .hold_damping_Ns_per_m = 0.5},

@@ -19,7 +19,7 @@ struct Found {
 };
 
 struct How {
-  LoopExperiment experiment = LoopExperiment::wall;
+  GainExperiment experiment = GainExperiment::wall;
   std::vector<LinearAxis::Config> axes{};
   int mean_samples = 0;  ///< of the mean estimator; 0: the default one
   bool time_waits = true;
@@ -52,7 +52,7 @@ Found tune(const How& how) {
                        .velocity = velocity,
                        .hold_stiffness_N_per_m = how.hold_N_per_m,
                        .hold_damping_Ns_per_m = 0.5};
-  const bool damps = how.experiment == LoopExperiment::damping;
+  const bool damps = how.experiment == GainExperiment::damping;
   const auto margin = nyquist_margin({.arms = how.axes, .velocity = velocity},
                                      damps ? TunedGain::damping : TunedGain::stiffness);
   return {.point = tune_point(config, frames, ports, how.history), .analytic = margin->gain};
@@ -83,11 +83,11 @@ TEST(TunePoint, FindsTheMarginWhereAStructuralModeSetsIt) {
 }
 
 TEST(TunePoint, FindsTheMarginOfADamper) {
-  expect_found(tune({.experiment = LoopExperiment::damping, .axes = {kHeavy}, .mean_samples = 30}));
+  expect_found(tune({.experiment = GainExperiment::damping, .axes = {kHeavy}, .mean_samples = 30}));
 }
 
 TEST(TunePoint, FindsTheMarginOfAPairAndWhichSideMovesMost) {
-  const Found found = tune({.experiment = LoopExperiment::teleop, .axes = {kHeavy, kLight}});
+  const Found found = tune({.experiment = GainExperiment::teleop, .axes = {kHeavy, kLight}});
   expect_found(found);
   double master = 0.0;
   double slave = 0.0;
@@ -155,7 +155,7 @@ TEST(TunePoint, StopsWhereItIsToldToWithTheArmAtRest) {
   plant.axes[0] = kLight;
   LinearArm arm{plant, clock};
   PointConfig config;
-  config.experiment = {.experiment = LoopExperiment::wall, .axis = 0};
+  config.experiment = {.experiment = GainExperiment::wall, .axis = 0};
   int probes = 0;
   config.on_probe = [&](const ProbeResult&) {
     ++probes;
