@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -86,6 +87,9 @@ class MarginalGainExperiment final : public Experiment {
 
   [[nodiscard]] Results results_of(const PointResult& point) const {
     const char* unit = experiment_ == "damping" ? "N s/m" : "N/m";
+    const bool fault = std::any_of(
+        point.probes.begin(), point.probes.end(),
+        [](const ProbeResult& probe) { return probe.outcome.stop == ProbeStop::fault; });
     std::optional<double> gain;
     std::optional<double> low;
     std::optional<double> high;
@@ -101,7 +105,8 @@ class MarginalGainExperiment final : public Experiment {
             {"gain_high", high, unit},
             {"frequency_Hz", frequency, "Hz"},
             {"arm_seconds", point.arm_seconds, "s"},
-            {"ended", static_cast<double>(point.end), "number: 1 found, 2 wide interval"}};
+            {"ended", static_cast<double>(point.end), "number: 1 found, 2 wide interval"},
+            {"fault", fault ? 1.0 : 0.0, "1: an arm reported one"}};
   }
 
   std::string experiment_ = "wall";

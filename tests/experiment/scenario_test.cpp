@@ -170,9 +170,10 @@ TEST(Scenario, TellsTwoEffectsOfOneKindAndAxisApart) {
 TEST(Experiment, GivesTheSameNumbersTwice) {
   for (const ExperimentKind* kind : experiments()) {
     const std::string name{kind->name};
-    const bool gravity = kind->name == "gravity";
-    const Scenario scenario{text_of("experiment = \"" + name + "\"\nseed = 7\n[run]\n" +
-                                    (gravity ? "steps = 1\ndirections = 2\n" : "seconds = 1.5\n"))};
+    std::string settings = "seconds = 1.5\n";
+    if (name == "gravity") settings = "steps = 1\ndirections = 2\n";
+    if (name == "marginal_gain") settings = "width = 0.2\n";
+    const Scenario scenario{text_of("experiment = \"" + name + "\"\nseed = 7\n[run]\n" + settings)};
     const Results once = run(scenario);
     const Results again = run(scenario);
     ASSERT_EQ(once.size(), again.size()) << name;
@@ -208,6 +209,13 @@ TEST(TeleopExperiment, FollowsAReachingHandAndLessWellWithASofterCoupling) {
                                     {{"law.stiffness_master_N_per_m", "200", "test"},
                                      {"law.stiffness_slave_N_per_m", "200", "test"}}});
   EXPECT_GT(number(soft, "tracking_rms_mm"), 2.0 * number(stiff, "tracking_rms_mm"));
+}
+
+TEST(MarginalGainExperiment, FindsTheWallOfThePaperWithinATenth) {
+  const Results results = run(Scenario{read_scenario("wall-margin")});
+  EXPECT_NEAR(number(results, "gain") / 2700.0, 1.0, 0.1);
+  EXPECT_LT(number(results, "gain_low"), number(results, "gain"));
+  EXPECT_GT(number(results, "gain_high"), number(results, "gain"));
 }
 
 TEST(GravityExperiment, CarriesTheArmToTheEdgeAndLetsItFallWithout) {
