@@ -179,7 +179,7 @@ double casing_rise(const PaperSet& set, bool pwm) {
   for (long k = 0; k < steps; ++k) {
     motor.step(kForce * arm_m, 0.0, 0.0, step);
   }
-  return motor.housing_C() - terms.ambient_C;
+  return motor.housing_temperature() - terms.ambient_C;
 }
 
 std::optional<double> analysed(PaperRowId row, const PaperSet& set) {

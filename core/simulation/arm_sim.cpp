@@ -183,7 +183,7 @@ void SimulatedArm::read_motors(ArmState& state) noexcept {
     const Motor& motor = plant_.motors()[i];
     if (motor.acts()) state.motor_current[axis] = motor.current();
     if (!motor.heats()) continue;
-    state.motor_temperature[axis] = motor.housing_C();
+    state.motor_temperature[axis] = motor.housing_temperature();
     state.set(ArmFlag::has_temperatures);
   }
 }
@@ -238,7 +238,7 @@ SimulatedArm::Truth SimulatedArm::true_state() noexcept {
   const Plant::ToolForces forces = plant_.tool_forces();
   JointVector winding;
   for (std::size_t i = 0; i < kJoints; ++i) {
-    winding[static_cast<Eigen::Index>(i)] = plant_.motors()[i].winding_C();
+    winding[static_cast<Eigen::Index>(i)] = plant_.motors()[i].winding_temperature();
   }
   return {.q = plant_.q(),
           .qd = plant_.qd(),

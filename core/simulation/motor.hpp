@@ -28,8 +28,8 @@ class Motor {
 
   [[nodiscard]] double current() const noexcept { return mean_current_; }     ///< A, of last step
   [[nodiscard]] double mean_square() const noexcept { return mean_square_; }  ///< A², of last step
-  [[nodiscard]] double winding_C() const noexcept { return winding_; }
-  [[nodiscard]] double housing_C() const noexcept { return housing_; }
+  [[nodiscard]] double winding_temperature() const noexcept { return winding_; }  ///< °C
+  [[nodiscard]] double housing_temperature() const noexcept { return housing_; }  ///< °C
   [[nodiscard]] bool heats() const noexcept { return terms_.heats; }
 
  private:

@@ -111,12 +111,12 @@ TEST(Motor, WarmsAsItsTwoNodesSay) {
   for (int k = 0; k < 2'000'000; ++k) {
     motor.step(command, 0.0, 0.0, 0.01);
   }
-  EXPECT_NEAR(motor.housing_C() - 25.0, 12.0 * power, 1e-3);
-  EXPECT_NEAR(motor.winding_C() - 25.0, 15.1 * power, 1e-3);
+  EXPECT_NEAR(motor.housing_temperature() - 25.0, 12.0 * power, 1e-3);
+  EXPECT_NEAR(motor.winding_temperature() - 25.0, 15.1 * power, 1e-3);
   // The first second: the winding alone takes the heat.
   Motor cold{terms, kPerAmpere};
   cold.step(command, 0.0, 0.0, 0.01);
-  EXPECT_NEAR((cold.winding_C() - 25.0) / 0.01, power / 10.0, 1e-3);
+  EXPECT_NEAR((cold.winding_temperature() - 25.0) / 0.01, power / 10.0, 1e-3);
 }
 
 TEST(Motor, LosesTorqueWithHeatUnderAVoltageAndWithItsMagnet) {
@@ -132,7 +132,7 @@ TEST(Motor, LosesTorqueWithHeatUnderAVoltageAndWithItsMagnet) {
   for (int k = 0; k < 400'000; ++k) {
     torque = motor.step(0.2, 0.0, 0.0, 50e-6);
   }
-  const double hot = 1.0 + 0.0039 * (motor.winding_C() - 25.0);
+  const double hot = 1.0 + 0.0039 * (motor.winding_temperature() - 25.0);
   EXPECT_GT(hot, 1.01);
   EXPECT_NEAR(torque, 0.2 / hot, 1e-4);
 }
