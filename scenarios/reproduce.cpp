@@ -50,8 +50,10 @@ void print_table(const char* title, const std::vector<PaperRow>& rows, const Pap
              "status", "drive");
   for (const PaperRow& row : rows) {
     const PaperRowText text = text_of(row.id);
-    fmt::print("{:<21} {:>7.4g} {:>8.4g} {:<5} {:>+6.1f}%  {:<15} {}{}\n", text.id, text.paper,
-               row.ours, text.unit, 100.0 * (row.ours / text.paper - 1.0),
+    const bool found = row.ours > 0.0;
+    fmt::print("{:<21} {:>7.4g} {:>8} {:<5} {:>7}  {:<15} {}{}\n", text.id, text.paper,
+               found ? fmt::format("{:.4g}", row.ours) : "none", text.unit,
+               found ? fmt::format("{:+.1f}%", 100.0 * (row.ours / text.paper - 1.0)) : "",
                status_of(row.id, row.ours, set), row.drive,
                row.note.empty() ? "" : " (" + row.note + ")");
   }
@@ -89,15 +91,19 @@ nlohmann::json json_of(const std::vector<PaperRow>& rows, const PaperSet& set) {
       const double by = sensitivity(row.id, set, static_cast<PaperSet::Index>(i));
       if (by != 0.0) sensitivities[set.parameters.at(i).name] = by;
     }
+    const bool found = row.ours > 0.0;
+    const auto number = [&](double x) {
+      return found ? nlohmann::json(x) : nlohmann::json();
+    };
     list.push_back({{"id", text.id},
                     {"what", text.what},
                     {"paper", text.paper},
-                    {"ours", row.ours},
-                    {"low", row.low},
-                    {"high", row.high},
+                    {"ours", number(row.ours)},
+                    {"low", number(row.low)},
+                    {"high", number(row.high)},
                     {"unit", text.unit},
                     {"status", status_of(row.id, row.ours, set)},
-                    {"relative_error", row.ours / text.paper - 1.0},
+                    {"relative_error", number(row.ours / text.paper - 1.0)},
                     {"drive", row.drive},
                     {"note", row.note},
                     {"sensitivity", sensitivities}});
