@@ -36,10 +36,13 @@ VelocityEstimator::Estimator VelocityEstimator::make(const Config& config,
   throw ConfigError{"velocity estimate: no kind '" + config.kind + "'; there are " + kinds_text()};
 }
 
+// The variant is never without a value, so visiting it cannot throw.
+// NOLINTNEXTLINE(bugprone-exception-escape)
 JointVector VelocityEstimator::step(const VelocitySample& sample) noexcept {
   return std::visit([&](auto& estimator) { return estimator.step(sample); }, estimator_);
 }
 
+// NOLINTNEXTLINE(bugprone-exception-escape): as above
 void VelocityEstimator::reset() noexcept {
   std::visit([](auto& estimator) { estimator.reset(); }, estimator_);
 }

@@ -170,8 +170,10 @@ class ComputedTorqueExperiment final : public Experiment {
     const auto share = [](const Tracking& tracking) {
       return static_cast<double>(tracking.cut_turns) / std::max(tracking.turns, 1.0);
     };
-    std::optional<double> ratio;
-    if (computed.rms_m() && plain.rms_m()) ratio = *plain.rms_m() / *computed.rms_m();
+    const std::optional<double> with = computed.rms_m();
+    const std::optional<double> without = plain.rms_m();
+    const std::optional<double> ratio =
+        with && without ? std::optional{*without / *with} : std::nullopt;
     return {
         {"error_rms_mm", rms_mm(computed), "mm"}, {"error_peak_mm", 1e3 * computed.peak_m, "mm"},
         {"error_pd_rms_mm", rms_mm(plain), "mm"}, {"error_pd_peak_mm", 1e3 * plain.peak_m, "mm"},

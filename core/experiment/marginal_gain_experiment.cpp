@@ -62,7 +62,7 @@ class MarginalGainExperiment final : public Experiment {
     add(scenario.plant());
     if (experiment_ == "teleop") add(scenario.slave_plant());
     PointConfig config;
-    config.experiment = {.experiment = *wanted(),
+    config.experiment = {.experiment = wanted().value_or(GainExperiment::wall),  // checked
                          .axis = static_cast<std::size_t>(axis_[0] - 'x'),
                          .stiffness_N_per_m = stiffness_,
                          .damping_Ns_per_m = damping_,

@@ -93,7 +93,7 @@ SweepValue value_of(const toml::node& node, const Table& table) {
   std::ostringstream out;
   node.visit([&](const auto& value) { out << value; });
   const std::string text = out.str();
-  if (node.is_number()) return {.toml = text, .json = sweep_value(*node.value<double>()).json};
+  if (node.is_number()) return {.toml = text, .json = sweep_value(node.value_or(0.0)).json};
   const bool plain = node.is_boolean();
   return {.toml = text, .json = plain ? text : nlohmann::json(text).dump()};
 }
@@ -107,14 +107,14 @@ std::vector<std::string> keys_of(const Table& table) {
   std::vector<std::string> keys;
   if (one != nullptr) {
     if (!one->is_string()) table.refuse(*one, "sweep.axis.key: must be text in quotes");
-    return {*one->value_exact<std::string>()};
+    return {one->value_or(std::string{})};
   }
   const toml::array* list = many->as_array();
   if (list == nullptr || list->empty() || !list->is_homogeneous(toml::node_type::string)) {
     table.refuse(*many, "sweep.axis.keys: must be a list of texts in quotes");
   }
   for (const toml::node& each : *list) {
-    keys.push_back(*each.value_exact<std::string>());
+    keys.push_back(each.value_or(std::string{}));
   }
   return keys;
 }

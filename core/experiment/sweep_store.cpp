@@ -5,6 +5,7 @@
 #include <cstring>
 #include <fstream>
 #include <sstream>
+#include <system_error>
 #include <utility>
 
 #include <fcntl.h>
@@ -212,7 +213,7 @@ void SweepStore::append(std::size_t index, const std::string& line) {
   if (due) synced_ = now;
   if (std::cmp_not_equal(written, text.size()) || (due && fdatasync(results_) != 0)) {
     throw Error{fmt::format("{}: cannot be written: {}", (folder_ / "results.jsonl").string(),
-                            std::strerror(errno))};
+                            std::generic_category().message(errno))};
   }
   lines_.emplace(index, line);
   write_table_row(line);

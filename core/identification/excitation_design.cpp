@@ -128,6 +128,7 @@ std::vector<PeriodicDrive::Segment> multisine_segments(const ResponseExperiment&
                                                        const Effort& effort,
                                                        Random& random) {
   std::vector<Eigen::VectorXcd> phases;
+  phases.reserve(static_cast<std::size_t>(effort.realisations));
   for (int i = 0; i < effort.realisations; ++i) {
     phases.push_back(random_phases(grid, random));
   }
@@ -135,6 +136,7 @@ std::vector<PeriodicDrive::Segment> multisine_segments(const ResponseExperiment&
       amplitudes(grid, answer, phases, effort.share * kForceShare * experiment.max_force_N,
                  effort.share * kTravelShare * experiment.max_travel_m);
   std::vector<PeriodicDrive::Segment> segments;
+  segments.reserve(phases.size());
   for (const Eigen::VectorXcd& phase : phases) {
     segments.push_back({.reference_N = reference(grid, size, phase),
                         .settle_periods = settle_periods(experiment),
