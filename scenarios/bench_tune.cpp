@@ -47,11 +47,13 @@ std::vector<Row> run_cases(const BenchTuneOptions& options) {
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
   const unsigned threads = options.threads > 0 ? static_cast<unsigned>(options.threads) : cores;
   std::vector<std::thread> pool;
-  for (unsigned i = 1; i < threads; ++i)
+  for (unsigned i = 1; i < threads; ++i) {
     pool.emplace_back(work);
+  }
   work();
-  for (std::thread& thread : pool)
+  for (std::thread& thread : pool) {
     thread.join();
+  }
   return rows;
 }
 

@@ -119,8 +119,9 @@ TunedCase tune_case(const TuneCase& one) {
                        .hold_stiffness_N_per_m = 10.0,
                        .hold_damping_Ns_per_m = 0.5};
   config.on_probe = [&](const ProbeResult&) {
-    for (const auto& arm : arms)
+    for (const auto& arm : arms) {
       arm->begin_probe();
+    }
   };
   result.point = tune_point(config, frames, ports);
   const ProbeBounds& bounds = config.bounds;

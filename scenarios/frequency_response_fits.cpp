@@ -92,8 +92,9 @@ std::string active_text(const std::vector<Range>& ranges) {
 }
 
 std::string line_of(const Estimate& estimate) {
-  if (!estimate.determined)
+  if (!estimate.determined) {
     return fmt::format("  {:<4} not determined by these lines\n", estimate.name);
+  }
   return fmt::format("  {:<4} {:>10.4g} {:<6} 90 % {:.4g} to {:.4g}\n", estimate.name,
                      estimate.value, estimate.unit, estimate.low, estimate.high);
 }

@@ -76,7 +76,10 @@ struct Misfit {
   using InputType = Eigen::VectorXd;
   using ValueType = Eigen::VectorXd;
   using JacobianType = Eigen::MatrixXd;
-  enum { InputsAtCompileTime = Eigen::Dynamic, ValuesAtCompileTime = Eigen::Dynamic };
+  // NOLINTBEGIN(readability-identifier-naming): Eigen asks for these names
+  static constexpr int InputsAtCompileTime = Eigen::Dynamic;
+  static constexpr int ValuesAtCompileTime = Eigen::Dynamic;
+  // NOLINTEND(readability-identifier-naming)
 
   PaperSet start;
 

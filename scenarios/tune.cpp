@@ -34,8 +34,9 @@ struct Bench {
 
 GainExperiment experiment_of(const TuneOptions& options) {
   for (const GainExperiment e :
-       {GainExperiment::wall, GainExperiment::damping, GainExperiment::teleop})
+       {GainExperiment::wall, GainExperiment::damping, GainExperiment::teleop}) {
     if (options.experiment == name_of(e)) return e;
+  }
   throw ConfigError{fmt::format(
       "--experiment {}: no such experiment; there are wall, damping, teleop", options.experiment)};
 }
@@ -86,8 +87,9 @@ std::vector<TuneJob> jobs_of(const TuneOptions& options, const ArmModel& model) 
   for (const JointVector& q : spread_poses(model, static_cast<std::size_t>(options.points))) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (options.axis != "all" && options.axis != axis_name(axis)) continue;
-      for (const double damping : dampings)
+      for (const double damping : dampings) {
         jobs.push_back({.q = q, .axis = axis, .damping_Ns_per_m = damping});
+      }
     }
   }
   if (jobs.empty()) {
@@ -189,8 +191,9 @@ bool draw(const TuneOptions& options,
 
 void go_to(const Bench& bench, const JointVector& q, double period_s) {
   std::vector<MovedArm> moved;
-  for (std::size_t i = 0; i < bench.arms.size(); ++i)
+  for (std::size_t i = 0; i < bench.arms.size(); ++i) {
     moved.push_back({.arm = bench.arms[i].get(), .model = &bench.models[i]});
+  }
   move_to(moved, *bench.clock, q, {.period_s = period_s});
 }
 
@@ -238,8 +241,9 @@ int run_tune(const TuneOptions& options) {
   const std::filesystem::path folder = make_folder(options.out);
   TuneJournal journal{folder / "tune.jsonl", asked_of(options, bench, jobs), options.resume};
   const std::string_view unit = unit_of(experiment_of(options));
-  for (const auto& arm : bench.arms)
+  for (const auto& arm : bench.arms) {
     fmt::print(stderr, "{}: {}\n", arm->info().name, arm->info().details);
+  }
 
   std::vector<TunedPoint> points;
   for (std::size_t i = 0; i < jobs.size(); ++i) {
@@ -257,8 +261,9 @@ int run_tune(const TuneOptions& options) {
   }
   // Home, where the weight is balanced best, before the amplifiers go off.
   go_to(bench, JointVector::Zero(), 1.0 / options.rate_Hz);
-  for (const auto& arm : bench.arms)
+  for (const auto& arm : bench.arms) {
     arm->amplifiers(false);
+  }
 
   const nlohmann::json json = report_json(options, points);
   write_json(folder / "tune.json", json);

@@ -43,8 +43,9 @@ json to_json(const ProbeResult& p) {
         {{"arm", e.arm}, {"axis", e.axis}, {"ratio", e.ratio}, {"phase_rad", e.phase_rad}});
   }
   json others = json::array();
-  for (const Oscillation& o : p.others)
+  for (const Oscillation& o : p.others) {
     others.push_back(to_json(o));
+  }
   json j{{"gain", p.plan.gain},
          {"safe_gain", p.plan.safe_gain},
          {"push_N", p.plan.push_N},
@@ -104,8 +105,9 @@ ProbeResult probe_from_json(const json& j) {
                        .ratio = e.at("ratio"),
                        .phase_rad = e.at("phase_rad")});
   }
-  for (const json& o : j.at("others"))
+  for (const json& o : j.at("others")) {
     p.others.push_back(oscillation_from(o));
+  }
   if (j.contains("oscillation")) p.oscillation = oscillation_from(j.at("oscillation"));
   return p;
 }

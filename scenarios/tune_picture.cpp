@@ -100,8 +100,9 @@ std::string workspace_gains_picture(const TuneOptions& options,
     add(script, "{:.3f} {:.3f} {:.6g}\n", 1e3 * at.z(), 1e3 * at.y(), p.result.crossing->gain);
   }
   add(script, "END\n$outline << END\n");
-  for (const Vector3& p : outline)
+  for (const Vector3& p : outline) {
     add(script, "{:.3f} {:.3f}\n", 1e3 * p.z(), 1e3 * p.y());
+  }
   add(script, "END\n");
   const Vector3 at = tool_position(model, points[worst].job.q);
   add(script,
@@ -132,8 +133,9 @@ std::string kb_picture(const TuneOptions& options,
         p.result.crossing->low, p.result.crossing->high);
   }
   add(script, "END\n$theory << END\n");
-  for (const auto& [B, K] : theory)
+  for (const auto& [B, K] : theory) {
     add(script, "{:.6g} {:.6g}\n", B, K);
+  }
   add(script,
       "END\nset title \"{}, axis {}: largest stable stiffness over damping\"\n"
       "set xlabel \"virtual damping B (N s/m)\"\nset ylabel \"virtual stiffness K (N/m)\"\n"

@@ -64,8 +64,9 @@ std::optional<AnalyticMargin> theory_of(const TheoryAsk& ask) {
   std::optional<AnalyticMargin> margin = AnalyticMargin{.gain = 0.0, .frequency_Hz = 30.0};
   for (int i = 0; i < 6 && margin; ++i) {
     loop.arms.clear();
-    for (const std::string& device : ask.devices)
+    for (const std::string& device : ask.devices) {
       loop.arms.push_back(axis_of(device, ask, margin->frequency_Hz));
+    }
     margin = nyquist_margin(loop, tuned);
   }
   return margin;

@@ -174,12 +174,14 @@ ResponseFit best_fit(const MechanicalFamily& family,
                      const std::vector<MechanicalParameters>& from,
                      const MeasuredResponse& data,
                      const Sampling& sampling) {
-  std::optional<ResponseFit> best;
+  ResponseFit best;
+  bool first = true;
   for (const MechanicalParameters& start : from) {
     ResponseFit fit = fit_response(family, family.pack(start), data, sampling);
-    if (!best || fit.cost < best->cost) best = std::move(fit);
+    if (first || fit.cost < best.cost) best = std::move(fit);
+    first = false;
   }
-  return *best;
+  return best;
 }
 
 }  // namespace

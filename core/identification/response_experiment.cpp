@@ -67,8 +67,9 @@ void check(const ResponseExperiment& e) {
   };
   if (e.axis >= kJoints) refuse("axis must be x, y or z");
   if (!(e.rate_Hz >= 100.0 && e.rate_Hz <= 10000.0)) refuse("rate must be 100 to 10000 Hz");
-  if (!(e.period_s > 0.0 && e.period_s <= 100.0))
+  if (!(e.period_s > 0.0 && e.period_s <= 100.0)) {
     refuse("period must be above 0 and at most 100 s");
+  }
   if (!(e.low_Hz * e.period_s >= 2.0)) {
     refuse(fmt::format("lowest frequency must be at least {} Hz, two periods of the signal",
                        2.0 / e.period_s));
@@ -123,8 +124,10 @@ ResponseMeasurement measure_response(const ResponseExperiment& experiment,
     if (records.empty() || records.front().force_N.cols() == 0) return result;
     answer = answer_of(grid, records.front());
   }
-  const RecordInfo info{.rate_Hz = experiment.rate_Hz,
-                        .count_m = count(arm.info(), model, *config.q_0, experiment.axis)};
+  const RecordInfo info{
+      .rate_Hz = experiment.rate_Hz,
+      .count_m =
+          count(arm.info(), model, config.q_0.value_or(JointVector::Zero()), experiment.axis)};
   if (experiment.excitation == Excitation::stepped_sine) {
     records = drive_through(stepped_segments(experiment, grid, answer, info.count_m, random));
     FrequencyResponse response = stepped_response(experiment, grid, records, info);

@@ -18,8 +18,10 @@ struct Residuals {
   using InputType = Eigen::VectorXd;
   using ValueType = Eigen::VectorXd;
   using JacobianType = Eigen::MatrixXd;
+  // NOLINTBEGIN(readability-identifier-naming): Eigen asks for these names
   static constexpr int InputsAtCompileTime = Eigen::Dynamic;
   static constexpr int ValuesAtCompileTime = Eigen::Dynamic;
+  // NOLINTEND(readability-identifier-naming)
 
   const ModelFamily& family;
   const MeasuredResponse& data;

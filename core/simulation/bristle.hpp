@@ -12,8 +12,8 @@ namespace teleop {
 ///
 ///     z = s g + (z_0 − s g) exp(−s stiffness (m − m_0) / g),
 ///
-/// exactly for Dahl's law, where g is constant; with g at the mean of the speeds at its ends otherwise.
-/// Loop: allocation-free, noexcept.
+/// exactly for Dahl's law, where g is constant; with g at the mean of the speeds at its ends
+/// otherwise. Loop: allocation-free, noexcept.
 
 /// g(v), N m.
 [[nodiscard]] inline double slip_level(const JointFriction::Bristle& bristle, double v) noexcept {

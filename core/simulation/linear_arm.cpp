@@ -53,8 +53,9 @@ void LinearArm::live_until(Instant now) noexcept {
   const Instant reachable = std::min(now, now_ + kLongestGap);
   while (now_ < reachable) {
     Duration span = reachable - now_;
-    for (const LinearAxis& axis : axes_)
+    for (const LinearAxis& axis : axes_) {
       span = std::min(span, axis.until_switch());
+    }
     advance(span);
   }
   now_ = std::max(now_, now);
@@ -98,8 +99,9 @@ void LinearArm::write(const JointVector& tau) noexcept {
 void LinearArm::amplifiers(bool on) noexcept {
   live_until(clock_->now());
   if (!on) {
-    for (LinearAxis& axis : axes_)
+    for (LinearAxis& axis : axes_) {
       axis.release();
+    }
   }
   on_ = on;
 }

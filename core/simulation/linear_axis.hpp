@@ -57,7 +57,7 @@ class LinearAxis {
 
   [[nodiscard]] double reading() const noexcept {
     return z_[kX1] + z_[kF] * tendon_m_per_N_;
-  }                                                                                ///< y
+  }  ///< y
   [[nodiscard]] double reading_rate() const noexcept;                              ///< ẏ
   [[nodiscard]] double position() const noexcept { return z_[kX1]; }               ///< x₁, m
   [[nodiscard]] double velocity() const noexcept { return z_[kV1] * kPerSecond; }  ///< ẋ₁, m/s
@@ -70,7 +70,15 @@ class LinearAxis {
  private:
   // Time in ms inside, so that the matrix has entries of like size.
   static constexpr double kPerSecond = 1e3;
-  enum Row : Eigen::Index { kX1, kV1, kX2, kV2, kF, kU, kFriction, kRows };
+  // Rows of the state.
+  static constexpr Eigen::Index kX1 = 0;
+  static constexpr Eigen::Index kV1 = 1;
+  static constexpr Eigen::Index kX2 = 2;
+  static constexpr Eigen::Index kV2 = 3;
+  static constexpr Eigen::Index kF = 4;
+  static constexpr Eigen::Index kU = 5;
+  static constexpr Eigen::Index kFriction = 6;
+  static constexpr Eigen::Index kRows = 7;
   using State = Eigen::Matrix<double, kRows, 1>;
   using Transition = Eigen::Matrix<double, kRows, kRows>;
 

@@ -212,8 +212,9 @@ double Plant::locate(double h, Trial& end) noexcept {
 double Plant::longest_step() const noexcept {
   double longest = motors_act_ ? std::min(calm_step_, motor_step_) : calm_step_;
   if (touching_) longest = std::min(longest, contact_step_);
-  if (stopped_ != 0)
+  if (stopped_ != 0) {
     longest = std::min(longest, kStepOverTimeConstant / stops_.fastest(stopped_, inertia_));
+  }
   for (std::size_t i = 0; i < kJoints; ++i) {
     // The peak of Stribeck's curve is narrow: steps shrink as the speed comes near it.
     const JointFriction& friction = config_.terms.friction[i];

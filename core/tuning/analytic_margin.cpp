@@ -103,8 +103,9 @@ std::optional<AnalyticMargin> nyquist_margin(const SampledLoop& loop, TunedGain 
     omega = next_omega;
     last = next;
   }
-  for (const Complex& gain : last)
+  for (const Complex& gain : last) {
     if (std::abs(gain.imag()) < 1e-9 * std::abs(gain)) offer(gain, highest);
+  }
   return best;
 }
 

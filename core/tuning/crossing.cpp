@@ -54,8 +54,9 @@ Parabola regress(std::span<const GrowthPoint> points, double zero, double slope,
   fit.c = fit.covariance * b;
   const double from_priors = (fit.covariance(2, 2) + fit.covariance(3, 3)) * prior_weight;
   fit.freedom = std::max(static_cast<double>(points.size()) - 4.0 + from_priors, 1.0);
-  for (const GrowthPoint& p : points)
+  for (const GrowthPoint& p : points) {
     fit.chi2 += weight(p) * std::pow(p.growth_per_s - fit.c.dot(row(p)), 2);
+  }
   return fit;
 }
 
@@ -68,8 +69,9 @@ double scatter_of(std::span<const GrowthPoint> points, double zero, double slope
   if (!scatters_more(0.0)) return 0.0;
   double low = 0.0;
   double high = 1e-3;
-  while (high < 1e6 && scatters_more(high))
+  while (high < 1e6 && scatters_more(high)) {
     high *= 2.0;
+  }
   for (int i = 0; i < 40; ++i) {
     const double middle = 0.5 * (low + high);
     (scatters_more(middle) ? low : high) = middle;

@@ -68,8 +68,9 @@ LoopUnderTest::Turn LoopUnderTest::step(const std::array<ArmState, kMostArms>& a
                                         const Command& command,
                                         double dt) noexcept {
   Turn turn;
-  for (std::size_t i = 0; i < sides_.size(); ++i)
+  for (std::size_t i = 0; i < sides_.size(); ++i) {
     sense(sides_[i], arms[i], dt);
+  }
   for (std::size_t i = 0; i < sides_.size(); ++i) {
     const Side& side = sides_[i];
     const Vector3 d = side.frame.displacement(arms[i].q);

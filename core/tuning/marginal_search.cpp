@@ -71,9 +71,11 @@ Knowledge look(Probes probes, double period_s) {
   double calmest = 0.0;
   const ProbeResult* rated = nullptr;
   double not_safe = std::numeric_limits<double>::infinity();
-  for (const ProbeResult& p : probes)
-    if (p.outcome.swelled && p.plan.safe_gain > 0.0)
+  for (const ProbeResult& p : probes) {
+    if (p.outcome.swelled && p.plan.safe_gain > 0.0) {
       not_safe = std::min(not_safe, p.plan.safe_gain);
+    }
+  }
   for (const ProbeResult& p : probes) {
     const bool below = k.high == nullptr || p.plan.gain < k.high->plan.gain;
     if (!is_stable(p) || !below) continue;
@@ -105,8 +107,9 @@ bool same_mode(const ProbeResult& a, const ProbeResult& b) {
 /// The oscillation of a probe that has about this frequency: another mode may die more slowly.
 const Oscillation* matching(const ProbeResult& p, double frequency_Hz) {
   if (same_frequency(p.oscillation->frequency_Hz, frequency_Hz)) return &*p.oscillation;
-  for (const Oscillation& o : p.others)
+  for (const Oscillation& o : p.others) {
     if (o.is_rated() && same_frequency(o.frequency_Hz, frequency_Hz)) return &o;
+  }
   return nullptr;
 }
 

@@ -22,8 +22,9 @@ Eigen::MatrixXd hankel_gram(std::span<const double> y, Eigen::Index rows) {
   Eigen::MatrixXd R(rows, rows);
   for (Eigen::Index lag = 0; lag < rows; ++lag) {
     double sum = 0.0;
-    for (Eigen::Index k = 0; k < columns; ++k)
+    for (Eigen::Index k = 0; k < columns; ++k) {
       sum += at(k) * at(k + lag);
+    }
     for (Eigen::Index i = 0; i + lag < rows; ++i) {
       R(i, i + lag) = sum;
       R(i + lag, i) = sum;

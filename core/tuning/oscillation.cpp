@@ -24,8 +24,9 @@ struct Model {
 
   [[nodiscard]] Eigen::Index size() const {
     Eigen::Index n = bent ? 3 : 2;
-    for (const FreeMode& mode : modes)
+    for (const FreeMode& mode : modes) {
       n += mode.omega_rad_per_s > 0.0 ? 4 : 2;
+    }
     return n;
   }
 
@@ -120,8 +121,9 @@ Eigen::VectorXd start(const Model& model, const Record& record, double middle_s)
   const Eigen::MatrixXd scaled = scale.asDiagonal() * JJ * scale.asDiagonal();
   const Eigen::VectorXd solution =
       scale.asDiagonal() * scaled.completeOrthogonalDecomposition().solve(scale.asDiagonal() * Jr);
-  for (Eigen::Index i = 0; i < n; ++i)
+  for (Eigen::Index i = 0; i < n; ++i) {
     p[linear[static_cast<std::size_t>(i)]] = solution[i];
+  }
   return p;
 }
 
@@ -300,8 +302,9 @@ std::vector<Oscillation> fit_oscillations(const Record& record,
   if (places.empty()) return {};
   std::vector<Oscillation> found;
   found.reserve(places.size());
-  for (const Place& one : places)
+  for (const Place& one : places) {
     found.push_back(describe(*fit, one.at, 0.5 * span_s, amplitude_wanted));
+  }
   const Place& place = places.front();
 
   const Model bent = bent_at(model, place.mode);

@@ -54,8 +54,9 @@ std::vector<JointVector> spread_poses(const ArmModel& model, std::size_t count) 
   }
   // The grid has a few more: leave out evenly.
   std::vector<JointVector> kept;
-  for (std::size_t i = 0; i < count; ++i)
+  for (std::size_t i = 0; i < count; ++i) {
     kept.push_back(poses[i * poses.size() / count]);
+  }
   return kept;
 }
 
@@ -141,8 +142,9 @@ void move_to(const std::vector<MovedArm>& arms,
   });
   for (std::size_t i = 0; i < arms.size(); ++i) {
     if (movers[i].is_there()) continue;
-    for (const MovedArm& moved : arms)
+    for (const MovedArm& moved : arms) {
       moved.arm->amplifiers(false);
+    }
     const std::string name = arms[i].arm->info().name;
     if (movers[i].fault() != Fault::none) {
       throw DeviceError{fmt::format("device '{}': fault {} on the way to a pose", name,

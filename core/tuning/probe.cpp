@@ -41,8 +41,9 @@ Probe::Probe(const Config& config, LoopUnderTest& loop)
     : config_{config}, loop_{&loop}, axis_{static_cast<Eigen::Index>(loop.config().axis)} {
   const auto most = static_cast<std::size_t>(config.longest_watch_s / config.period_s) + 2;
   trace_.t_s.resize(most);
-  for (auto& side : trace_.displacement)
+  for (auto& side : trace_.displacement) {
     side.resize(most);
+  }
 }
 
 void Probe::begin(const ProbePlan& plan) noexcept {
@@ -161,8 +162,9 @@ void Probe::end_watch(ProbeStop stop, int ticks_to_safe) noexcept {
 void Probe::remember(const LoopUnderTest::Turn& turn) noexcept {
   if (trace_.size >= trace_.t_s.size()) return;
   trace_.t_s[trace_.size] = time_s_;
-  for (std::size_t i = 0; i < loop_->arms(); ++i)
+  for (std::size_t i = 0; i < loop_->arms(); ++i) {
     trace_.displacement[i][trace_.size] = turn.displacement[i];
+  }
   ++trace_.size;
 }
 
@@ -181,8 +183,9 @@ bool Probe::rests() noexcept {
   if (filled_ < window) return false;
   outcome_.rest_peak_m = amplitude(window);
   double quantum = 0.0;
-  for (std::size_t i = 0; i < loop_->arms(); ++i)
+  for (std::size_t i = 0; i < loop_->arms(); ++i) {
     quantum = std::max(quantum, loop_->frame(i).quantum_m(axis_));
+  }
   return 2.0 * outcome_.rest_peak_m <= kRestCounts * quantum;
 }
 

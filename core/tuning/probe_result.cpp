@@ -36,14 +36,16 @@ Channels channels_of(const ProbeTrace& trace,
     std::array<Vector3, kMostArms> sum{Vector3::Zero(), Vector3::Zero()};
     for (std::size_t k = from; k < from + block; ++k) {
       t += trace.t_s[k];
-      for (std::size_t i = 0; i < arms; ++i)
+      for (std::size_t i = 0; i < arms; ++i) {
         sum[i] += trace.displacement[i][k];
+      }
     }
     const auto n = static_cast<double>(block);
     c.t_s.push_back(t / n);
     for (std::size_t i = 0; i < arms; ++i) {
-      for (std::size_t axis = 0; axis < 3; ++axis)
+      for (std::size_t axis = 0; axis < 3; ++axis) {
         c.d[i][axis].push_back(sum[i][static_cast<Eigen::Index>(axis)] / n);
+      }
     }
   }
   return c;

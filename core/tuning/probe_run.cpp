@@ -37,13 +37,15 @@ ProbeRunner::~ProbeRunner() {
 void ProbeRunner::turn(LoopUnderTest::Turn (Probe::*what)(const std::array<ArmState, kMostArms>&,
                                                           double) noexcept) noexcept {
   std::array<ArmState, kMostArms> states{};
-  for (std::size_t i = 0; i < ports_.arms.size(); ++i)
+  for (std::size_t i = 0; i < ports_.arms.size(); ++i) {
     states[i] = ports_.arms[i]->read();
+  }
   const double dt = seconds(states[0].stamp - last_stamp_);
   last_stamp_ = states[0].stamp;
   const LoopUnderTest::Turn result = (probe_->*what)(states, dt);
-  for (std::size_t i = 0; i < ports_.arms.size(); ++i)
+  for (std::size_t i = 0; i < ports_.arms.size(); ++i) {
     ports_.arms[i]->write(result.torque_Nm[i]);
+  }
 }
 
 ProbeRunner::Timing ProbeRunner::run(const ProbePlan& plan,

@@ -134,8 +134,9 @@ class Assembly {
       y_.push_back(reading(i));
       v_.push_back(velocity(i));
     }
-    for (std::size_t i = 0; i < arms_.size(); ++i)
+    for (std::size_t i = 0; i < arms_.size(); ++i) {
       advance(i, command(i));
+    }
     return S_;
   }
 
@@ -177,8 +178,9 @@ class Assembly {
   void shift(Eigen::Index at, Eigen::Index length, const Row& newest) {
     if (length == 0) return;
     S_.row(at) = newest;
-    for (Eigen::Index k = 1; k < length; ++k)
+    for (Eigen::Index k = 1; k < length; ++k) {
       S_.row(at + k) = unit(at + k - 1);
+    }
   }
 
   void advance(std::size_t i, const Row& u) {
@@ -201,8 +203,9 @@ class Assembly {
     if (l.end == l.peer) return;
     S_.row(l.peer) = y_[i];
     S_.row(l.peer + 1) = v_[i];
-    for (Eigen::Index k = l.peer + 2; k < l.end; ++k)
+    for (Eigen::Index k = l.peer + 2; k < l.end; ++k) {
       S_.row(k) = unit(k - 2);
+    }
   }
 
   const SampledLoop& loop_;

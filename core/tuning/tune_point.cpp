@@ -77,8 +77,9 @@ PointResult tune_point(const PointConfig& config,
   }
   result.end = step.end;
   result.crossing = step.crossing;
-  for (const ProbeResult& p : result.probes)
+  for (const ProbeResult& p : result.probes) {
     result.arm_seconds += p.timing.arm_seconds;
+  }
   if (result.crossing) describe(result);
   return result;
 }
