@@ -66,6 +66,7 @@ double speed(const SweepPlan& plan, unsigned jobs) {
 double spin(unsigned threads) {
   const auto begin = std::chrono::steady_clock::now();
   std::vector<std::thread> workers;
+  workers.reserve(threads);
   for (unsigned i = 0; i < threads; ++i) {
     workers.emplace_back([] {
       volatile double x = 1.0;

@@ -70,8 +70,8 @@ struct Fit {
 };
 
 struct Normal {
-  Eigen::MatrixXd JJ;
-  Eigen::VectorXd Jr;
+  Eigen::MatrixXd J_J;
+  Eigen::VectorXd J_r;
   double sum = 0.0;
   double lagged = 0.0;  ///< Σ r[k] r[k+1]
 };
@@ -87,8 +87,8 @@ Normal normal_equations(const Model& model,
     const auto i = static_cast<std::size_t>(k);
     r[k] = record.y[i] - model.evaluate(p, record.t_s[i] - middle_s, J.row(k));
   }
-  return {.JJ = J.transpose() * J,
-          .Jr = J.transpose() * r,
+  return {.J_J = J.transpose() * J,
+          .J_r = J.transpose() * r,
           .sum = r.squaredNorm(),
           .lagged = r.head(rows - 1).dot(r.tail(rows - 1))};
 }
@@ -108,19 +108,19 @@ Eigen::VectorXd start(const Model& model, const Record& record, double middle_s)
   }
   const Normal at_zero = normal_equations(model, p, record, middle_s);
   const auto n = static_cast<Eigen::Index>(linear.size());
-  Eigen::MatrixXd JJ(n, n);
-  Eigen::VectorXd Jr(n);
+  Eigen::MatrixXd J_J(n, n);
+  Eigen::VectorXd J_r(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    Jr[i] = at_zero.Jr[linear[static_cast<std::size_t>(i)]];
+    J_r[i] = at_zero.J_r[linear[static_cast<std::size_t>(i)]];
     for (Eigen::Index j = 0; j < n; ++j) {
-      JJ(i, j) =
-          at_zero.JJ(linear[static_cast<std::size_t>(i)], linear[static_cast<std::size_t>(j)]);
+      J_J(i, j) =
+          at_zero.J_J(linear[static_cast<std::size_t>(i)], linear[static_cast<std::size_t>(j)]);
     }
   }
-  const Eigen::VectorXd scale = JJ.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * JJ * scale.asDiagonal();
+  const Eigen::VectorXd scale = J_J.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * J_J * scale.asDiagonal();
   const Eigen::VectorXd solution =
-      scale.asDiagonal() * scaled.completeOrthogonalDecomposition().solve(scale.asDiagonal() * Jr);
+      scale.asDiagonal() * scaled.completeOrthogonalDecomposition().solve(scale.asDiagonal() * J_r);
   for (Eigen::Index i = 0; i < n; ++i) {
     p[linear[static_cast<std::size_t>(i)]] = solution[i];
   }
@@ -133,16 +133,16 @@ std::optional<Fit> refine(const Model& model,
                           const Record& record,
                           double noise_std) {
   const double middle_s = 0.5 * (record.t_s.front() + record.t_s.back());
-  const auto n = static_cast<Eigen::Index>(model.size());
+  const Eigen::Index n = model.size();
   const auto samples = static_cast<double>(record.y.size());
   if (samples < static_cast<double>(n) + 2.0) return std::nullopt;
   Normal here = normal_equations(model, p, record, middle_s);
   double damping = 1e-3;
   for (int i = 0; i < kMostIterations; ++i) {
-    const Eigen::VectorXd scale = here.JJ.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
-    Eigen::MatrixXd A = scale.asDiagonal() * here.JJ * scale.asDiagonal();
+    const Eigen::VectorXd scale = here.J_J.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
+    Eigen::MatrixXd A = scale.asDiagonal() * here.J_J * scale.asDiagonal();
     A.diagonal().array() += damping;
-    const Eigen::VectorXd step = scale.asDiagonal() * A.ldlt().solve(scale.asDiagonal() * here.Jr);
+    const Eigen::VectorXd step = scale.asDiagonal() * A.ldlt().solve(scale.asDiagonal() * here.J_r);
     if (!step.allFinite()) return std::nullopt;
     const Eigen::VectorXd next = p + step;
     const Normal there = normal_equations(model, next, record, middle_s);
@@ -162,8 +162,8 @@ std::optional<Fit> refine(const Model& model,
   const double floor = 0.1 * noise_std;
   const double variance = std::max(here.sum / (samples - static_cast<double>(n)), floor * floor) *
                           (1.0 + r) / (1.0 - r);
-  const Eigen::VectorXd scale = here.JJ.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
-  const Eigen::MatrixXd A = scale.asDiagonal() * here.JJ * scale.asDiagonal();
+  const Eigen::VectorXd scale = here.J_J.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
+  const Eigen::MatrixXd A = scale.asDiagonal() * here.J_J * scale.asDiagonal();
   const Eigen::MatrixXd inverse = A.completeOrthogonalDecomposition().pseudoInverse();
   return Fit{.model = model,
              .p = p,

@@ -54,6 +54,7 @@ std::vector<JointVector> spread_poses(const ArmModel& model, std::size_t count) 
   }
   // The grid has a few more: leave out evenly.
   std::vector<JointVector> kept;
+  kept.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     kept.push_back(poses[i * poses.size() / count]);
   }

@@ -168,7 +168,7 @@ class Assembly {
     Row u = -coupled(y_[i], v_[i]);
     if (arms_.size() == 1) return u;
     const std::size_t j = 1 - i;
-    const int p = loop_.peer_delay_samples;
+    const Eigen::Index p = loop_.peer_delay_samples;
     if (p == 0) return u + coupled(y_[j], v_[j]);
     const Eigen::Index old = layout_[j].peer + 2 * (p - 1);
     return u + coupled(unit(old), unit(old + 1));

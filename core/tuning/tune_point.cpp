@@ -14,6 +14,7 @@ double memory_of(const VelocityEstimator::Config& velocity, double period_s) {
 
 /// Frequency and shape at the crossing: of the rated probe nearest to it.
 void describe(PointResult& result) {
+  if (!result.crossing) return;
   const ProbeResult* nearest = nullptr;
   double distance = 0.0;
   for (const ProbeResult& p : result.probes) {
@@ -26,7 +27,7 @@ void describe(PointResult& result) {
     }
   }
   if (nearest == nullptr) return;
-  result.frequency_Hz = nearest->oscillation->frequency_Hz;
+  result.frequency_Hz = nearest->oscillation ? nearest->oscillation->frequency_Hz : 0.0;
   result.shape = nearest->shape;
   result.amplitude_m = nearest->plan.amplitude_m;
 }
@@ -80,7 +81,7 @@ PointResult tune_point(const PointConfig& config,
   for (const ProbeResult& p : result.probes) {
     result.arm_seconds += p.timing.arm_seconds;
   }
-  if (result.crossing) describe(result);
+  describe(result);
   return result;
 }
 
