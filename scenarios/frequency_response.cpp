@@ -119,9 +119,10 @@ std::string table(const FrequencyResponse& response) {
 
 json numbers(const FrequencyResponseOptions& options,
              const ResponseMeasurement& measurement,
+             const FrequencyResponse& response,
              const std::vector<ResponseModel>& models) {
   json lines = json::array();
-  for (const ResponseLine& line : measurement.response->lines) {
+  for (const ResponseLine& line : response.lines) {
     lines.push_back({{"f_Hz", line.f_Hz},
                      {"gain", std::abs(line.gain)},
                      {"phase_rad", std::arg(line.gain)},
@@ -137,8 +138,8 @@ json numbers(const FrequencyResponseOptions& options,
           {"method", options.method},
           {"rate_Hz", options.experiment.rate_Hz},
           {"seed", options.experiment.seed},
-          {"distortion", measurement.response->distortion},
-          {"distorted", measurement.response->distorted},
+          {"distortion", response.distortion},
+          {"distorted", response.distorted},
           {"largest_force_N", drive.largest_force_N},
           {"largest_travel_m", drive.largest_travel_m},
           {"missed_samples", drive.missed},
@@ -184,12 +185,13 @@ int run_frequency_response(const FrequencyResponseOptions& options) {
                           .delay_samples = options.delay_samples};
   const std::vector<ResponseModel> models = fit_models(measured(response), sampling);
   const std::string name = "frequency-response-" + options.axis;
-  const json result = numbers(options, measurement, models);
+  const json result = numbers(options, measurement, response, models);
   write_text(folder / (name + ".csv"), table(response));
   write_json(folder / (name + ".json"), result);
   if (!options.json.empty()) write_json(options.json, result);
 
   std::vector<FittedCurve> curves;
+  curves.reserve(models.size());
   for (const ResponseModel& fitted : models) {
     curves.push_back(fitted.curve);
   }
