@@ -123,7 +123,7 @@ std::string head(const std::string& name) {
 std::string line_picture(const std::string& name, const Scale& x, const Column& column) {
   std::vector<std::pair<std::size_t, double>> points;
   for (std::size_t i = 0; i < column.size(); ++i) {
-    if (column[i]) points.emplace_back(x.position[i], *column[i]);
+    if (const auto& value = column[i]) points.emplace_back(x.position[i], *value);
   }
   std::sort(points.begin(), points.end());
   std::string script = head(name) + "$data << END\n";
@@ -151,12 +151,13 @@ std::string map_picture(
   const bool as_numbers = !grid && x.numeric && y.numeric;
   std::string script = head(name) + "$data << END\n";
   for (std::size_t i = 0; i < column.size(); ++i) {
-    if (!grid && !column[i]) continue;
+    const auto& value = column[i];
+    if (!grid && !value) continue;
     const auto at = [&](const Scale& scale) {
       return as_numbers ? scale.values[scale.position[i]] : std::to_string(scale.position[i]);
     };
     fmt::format_to(std::back_inserter(script), "{} {} {}\n", at(x), at(y),
-                   column[i] ? fmt::format("{:.9g}", *column[i]) : "NaN");
+                   value ? fmt::format("{:.9g}", *value) : "NaN");
   }
   script += "END\n";
   if (!as_numbers) {

@@ -191,6 +191,7 @@ bool draw(const TuneOptions& options,
 
 void go_to(const Bench& bench, const JointVector& q, double period_s) {
   std::vector<MovedArm> moved;
+  moved.reserve(bench.arms.size());
   for (std::size_t i = 0; i < bench.arms.size(); ++i) {
     moved.push_back({.arm = bench.arms[i].get(), .model = &bench.models[i]});
   }
@@ -207,7 +208,7 @@ void check_estimator(const TuneOptions& options) {
 TunedPoint tune_job(const TuneOptions& options,
                     Bench& bench,
                     const TuneJob& job,
-                    PointConfig config,
+                    const PointConfig& config,
                     std::vector<ProbeResult> history) {
   ProbeRunner::Ports ports{.clock = bench.clock.get(),
                            .time_waits = bench.time_waits,

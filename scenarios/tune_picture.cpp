@@ -10,6 +10,9 @@
 #include "scenarios/tune_report.hpp"
 
 namespace teleop {
+
+// Only points with a crossing are drawn, which the checker does not see through.
+// NOLINTBEGIN(bugprone-unchecked-optional-access)
 namespace {
 
 template <typename... Values>
@@ -152,5 +155,7 @@ std::string kb_picture(const TuneOptions& options,
       "\"measured, 90 % interval\"\n");
   return script;
 }
+
+// NOLINTEND(bugprone-unchecked-optional-access)
 
 }  // namespace teleop

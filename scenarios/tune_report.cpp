@@ -13,6 +13,9 @@
 #include "scenarios/tune_journal.hpp"
 
 namespace teleop {
+
+// Points without a crossing are left out first, which the checker does not see through.
+// NOLINTBEGIN(bugprone-unchecked-optional-access)
 namespace {
 
 constexpr double kShown = 0.05;  ///< smaller entries of a mode shape are left out of the table
@@ -174,5 +177,7 @@ std::string report_table(const TuneOptions& options, const std::vector<TunedPoin
                  0.5 * c.gain, unit);
   return text;
 }
+
+// NOLINTEND(bugprone-unchecked-optional-access)
 
 }  // namespace teleop

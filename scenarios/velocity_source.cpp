@@ -31,6 +31,7 @@ JointVector counts_per_rev(const ArmModel& arm) {
 /// The reference where there is no truth: the positions' own slope, smoothed without phase.
 void set_reference(VelocityTrace& trace, double reference_Hz) {
   std::vector<JointVector> q;
+  q.reserve(trace.samples.size());
   for (const VelocitySample& sample : trace.samples) {
     q.push_back(sample.q);
   }

@@ -68,6 +68,7 @@ std::vector<VelocityRow> contenders(const VelocityEstimator::Config& base) {
 
 double median_dt(const VelocityTrace& trace) {
   std::vector<double> dt;
+  dt.reserve(trace.samples.size());
   for (const VelocitySample& sample : trace.samples) {
     dt.push_back(sample.dt);
   }
@@ -79,7 +80,8 @@ double median_dt(const VelocityTrace& trace) {
 /// At home x, y and z are moved by one joint each.
 DampingLoop loop_of(const VelocityOptions& options, const VelocitySource& source) {
   const Matrix3 J = linear_jacobian(source.arm, JointVector::Zero());
-  const Matrix3 M = tool_mass(source.arm, JointVector::Zero()).value();
+  // Home is no singularity of any arm.
+  const Matrix3 M = tool_mass(source.arm, JointVector::Zero()).value_or(Matrix3::Identity());
   const double period_s = median_dt(source.traces.front());
   DampingLoop loop;
   for (std::size_t i = 0; i < 3; ++i) {
