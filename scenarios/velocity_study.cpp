@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -80,8 +81,9 @@ double median_dt(const VelocityTrace& trace) {
 /// At home x, y and z are moved by one joint each.
 DampingLoop loop_of(const VelocityOptions& options, const VelocitySource& source) {
   const Matrix3 J = linear_jacobian(source.arm, JointVector::Zero());
-  // Home is no singularity of any arm.
-  const Matrix3 M = tool_mass(source.arm, JointVector::Zero()).value_or(Matrix3::Identity());
+  const std::optional<Matrix3> mass = tool_mass(source.arm, JointVector::Zero());
+  if (!mass) throw ConfigError{"velocity: the arm's home is a singular posture; give --mass-g"};
+  const Matrix3& M = *mass;
   const double period_s = median_dt(source.traces.front());
   DampingLoop loop;
   for (std::size_t i = 0; i < 3; ++i) {
