@@ -81,8 +81,8 @@ TEST(Pair, RecordsWhatEachVelocityEstimatorMakesOfTheRecordedReadings) {
     for (int i = 0; i < 1'500; ++i) {
       pair.step();
       const TickRecord& r = pair.master();
-      const JointVector qd = replayed.step(
-          {.q = r.q_rad, .period_ticks = r.period_ticks, .dt = 1e-3 * r.elapsed_ms});
+      const JointVector qd =
+          replayed.step({.q = r.q_rad, .period_ticks = r.period_ticks, .dt = 1e-3 * r.elapsed_ms});
       ASSERT_NEAR((qd - r.qd_rad_per_s).norm(), 0.0, 1e-9) << kind << ' ' << i;
       most = std::max(most, qd.norm());
     }
