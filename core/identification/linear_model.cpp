@@ -55,7 +55,7 @@ ComplexResponse sampled_response(const Linearised& system,
 
   const auto parameters = static_cast<Eigen::Index>(system.derivatives.size());
   std::vector<LinearModel> derivatives;
-  std::vector<Eigen::MatrixXd> dE;
+  std::vector<Eigen::MatrixXd> d_E;
   for (const LinearModel& derivative : system.derivatives) {
     derivatives.push_back(seen(derivative, true));
     Eigen::MatrixXd block = Eigen::MatrixXd::Zero(2 * n + 2, 2 * n + 2);
@@ -63,7 +63,7 @@ ComplexResponse sampled_response(const Linearised& system,
     block.bottomRightCorner(n + 1, n + 1) = M;
     block.topRightCorner(n + 1, n + 1) = with_input(derivatives.back()) * sampling.period_s;
     const Eigen::MatrixXd exponential = block.exp();
-    dE.emplace_back(exponential.topRightCorner(n + 1, n + 1));
+    d_E.emplace_back(exponential.topRightCorner(n + 1, n + 1));
   }
 
   ComplexResponse response{.value = Eigen::VectorXcd::Zero(frequency_Hz.size()),
@@ -81,8 +81,8 @@ ComplexResponse sampled_response(const Linearised& system,
     response.value(i) = late * ((model.C.cast<Complex>() * x)(0) + model.D / z);
     for (Eigen::Index k = 0; k < parameters; ++k) {
       const auto at = static_cast<std::size_t>(k);
-      const Eigen::VectorXcd driven = dE[at].topRightCorner(n, 1).cast<Complex>() +
-                                      dE[at].topLeftCorner(n, n).cast<Complex>() * x;
+      const Eigen::VectorXcd driven = d_E[at].topRightCorner(n, 1).cast<Complex>() +
+                                      d_E[at].topLeftCorner(n, n).cast<Complex>() * x;
       const Complex through = (derivatives[at].C.cast<Complex>() * x)(0) + derivatives[at].D / z;
       response.derivative(i, k) = late * (w.cwiseProduct(driven).sum() + through);
     }

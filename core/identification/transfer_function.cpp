@@ -63,10 +63,10 @@ Eigen::VectorXd real_part(const TransferFunction& P, double scale) {
     }
     return polynomial;
   };
-  Eigen::VectorXd sD{P.denominator.size() + 1};
-  sD << scaled(P.denominator), 0.0;
+  Eigen::VectorXd s_D{P.denominator.size() + 1};
+  s_D << scaled(P.denominator), 0.0;
   const Eigen::VectorXcd top = along_the_axis(scaled(P.numerator), false);
-  const Eigen::VectorXcd bottom = along_the_axis(sD, true);
+  const Eigen::VectorXcd bottom = along_the_axis(s_D, true);
   Eigen::VectorXcd product = Eigen::VectorXcd::Zero(top.size() + bottom.size() - 1);
   Eigen::VectorXd size = Eigen::VectorXd::Zero(product.size());
   for (Eigen::Index i = 0; i < top.size(); ++i) {
