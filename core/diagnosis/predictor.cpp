@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "core/simulation/plant.hpp"
 
 namespace teleop {
 namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// Readings of the drives' angles without counting them.
 class ExactReading {
@@ -99,6 +102,10 @@ std::vector<JointVector> innovations(const PredictorModel& model,
                .q = q0,
                .qd = qd0}};
   ExactReading reading{terms, q0, qd0};
+  constexpr double kFastest = 8000.0;  // 1/s: what is faster cannot be told from what is rigid
+  if (plant.fastest_rate() > kFastest) {
+    return std::vector(run.rows(), JointVector{JointVector::Constant(kNone)});
+  }
   const Duration sample{sample_ns(period_s, terms)};
   std::vector<JointVector> result;
   result.reserve(run.rows());
@@ -107,6 +114,11 @@ std::vector<JointVector> innovations(const PredictorModel& model,
   for (std::size_t k = 0; k < run.rows(); ++k) {
     const Tether::Step& step = tether.steps()[k];
     const JointVector e = run.q[k] - reading.of(plant.drive_q());
+    constexpr double kLost = 10.0;  // rad: the model runs away from the recording
+    if (!(e.cwiseAbs().maxCoeff() < kLost)) {
+      result.resize(run.rows(), JointVector{JointVector::Constant(kNone)});
+      break;
+    }
     result.push_back(e);
     if (states != nullptr) states->push_back({plant.drive_q(), plant.drive_qd(), d});
     JointVector dv = step.velocity * e;

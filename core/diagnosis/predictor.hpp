@@ -26,6 +26,8 @@ struct PredictorModel {
   const PlantTerms& terms;
 };
 
+/// Reading less prediction, rad, at every row; not a number where the model runs away or is too
+/// stiff to follow.
 /// @param states filled when given
 [[nodiscard]] std::vector<JointVector> innovations(const PredictorModel& model,
                                                    const Recording& run,
