@@ -274,6 +274,13 @@ Fit fit(const Likelihood& likelihood,
       problem.AddResidualBlock(cost, nullptr, x.data(), z.data());
     }
   }
+  for (std::size_t i = 0; i < result.free.size(); ++i) {
+    if (!result.free[i].logarithmic) continue;
+    constexpr double kReach = 3.0;  // a factor of 20: what lies farther has trials of its own
+    const auto at = static_cast<int>(i);
+    problem.SetParameterLowerBound(x.data(), at, x[at] - kReach);
+    problem.SetParameterUpperBound(x.data(), at, x[at] + kReach);
+  }
   problem.AddResidualBlock(new PriorErrors, nullptr, z.data());  // NOLINT: ceres owns it
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;

@@ -12,7 +12,6 @@
 namespace teleop {
 namespace {
 
-constexpr std::size_t kSettling = 50;      // samples in which the tether finds the speed
 constexpr double kBaseTolerance = 0.0029;  // of masses and inertias: ±0.5 %, evenly
 
 }  // namespace
@@ -50,8 +49,24 @@ Eigen::VectorXf Likelihood::whitened(std::size_t run,
   return result;
 }
 
+std::vector<JointVector> Likelihood::innovations_of(std::size_t run,
+                                                    const MachineModel& model) const {
+  const PlantTerms terms = terms_of(model.effects);
+  return innovations({prior_.arm(model.base), terms}, data_->runs[run], data_->period_s,
+                     tethers_[run]);
+}
+
 Eigen::VectorXf Likelihood::errors(std::size_t run, const MachineModel& model) const {
   return whitened(run, model, tethers_[run]);
+}
+
+std::vector<PredictedState> Likelihood::states(std::size_t run, const MachineModel& model) const {
+  const PlantTerms terms = terms_of(model.effects);
+  const ArmModel arm = prior_.arm(model.base);
+  std::vector<PredictedState> all;
+  static_cast<void>(
+      innovations({arm, terms}, data_->runs[run], data_->period_s, tethers_[run], &all));
+  return all;
 }
 
 std::vector<Eigen::VectorXf> Likelihood::errors(const MachineModel& model) const {
@@ -96,6 +111,71 @@ constexpr std::array kMembers{
     NoiseMember{&NoiseModel::time_constant, 8e-3, 7e-2},
 };
 
+/// Innovations under one tether turned into those under another. With s the distance of the two
+/// filters' states: s⁺ = F (s + K e − K′ e′), e′ = e + s_q.
+class Refilter {
+ public:
+  Refilter(const Likelihood& likelihood, const MachineModel& model)
+      : likelihood_{&likelihood}, raw_(likelihood.runs()), mobility_(likelihood.runs()) {
+    for_each_index(raw_.size(), likelihood.threads(), [&](std::size_t run) {
+      raw_[run] = likelihood.innovations_of(run, model);
+      raw_[run].resize(std::min(raw_[run].size(), kRows));
+      mobility_[run] = mobilities(likelihood.arm(), likelihood.data().runs[run]);
+    });
+  }
+
+  /// −2 log L of each axis over the first rows of all runs.
+  [[nodiscard]] JointVector deviance(const NoiseModel& noise) const {
+    std::vector<JointVector> parts(raw_.size(), JointVector::Zero());
+    for_each_index(raw_.size(), likelihood_->threads(),
+                   [&](std::size_t run) { parts[run] = deviance_of(run, noise); });
+    JointVector total = JointVector::Zero();
+    for (const JointVector& part : parts) {
+      total += part;
+    }
+    return total;
+  }
+
+ private:
+  static constexpr std::size_t kRows = 4000;  // enough for a level within two percent
+
+  [[nodiscard]] JointVector deviance_of(std::size_t run, const NoiseModel& noise) const {
+    const Tether& before = likelihood_->tether(run);
+    const double h = likelihood_->data().period_s;
+    const std::size_t rows = raw_[run].size();
+    const Tether after{likelihood_->arm(), likelihood_->data().runs[run], h, noise, rows};
+    JointVector sum = JointVector::Zero();
+    JointVector q = JointVector::Zero();
+    JointVector qd = JointVector::Zero();
+    JointVector d_before = JointVector::Zero();
+    JointVector d_after = JointVector::Zero();
+    for (std::size_t k = 0; k < rows; ++k) {
+      const Tether::Step& old = before.steps()[k];
+      const Tether::Step& now = after.steps()[k];
+      const JointVector& e = raw_[run][k];
+      const JointVector other = e + q;
+      if (k >= Likelihood::kSettling) {
+        sum += (now.whitening * other).cwiseAbs2() -
+               2.0 * now.whitening.diagonal().array().log().matrix();
+      }
+      q += old.position * e - now.position * other;
+      qd += old.velocity * e - now.velocity * other;
+      d_before += old.disturbance * e;
+      d_after += now.disturbance * other;
+      const JointVector jump = h * (mobility_[run][k] * (d_before - d_after));
+      q += h * (qd + jump / 2.0);
+      qd += jump;
+      d_before = before.memory().cwiseProduct(d_before);
+      d_after = after.memory().cwiseProduct(d_after);
+    }
+    return sum;
+  }
+
+  const Likelihood* likelihood_;
+  std::vector<std::vector<JointVector>> raw_;
+  std::vector<std::vector<JointMatrix>> mobility_;
+};
+
 }  // namespace
 
 /// Parabolas through three places in one member at a time, of all axes at once: axes are told
@@ -104,8 +184,9 @@ NoiseModel fit_noise(const Likelihood& likelihood,
                      const MachineModel& model,
                      const NoiseModel& start) {
   constexpr int kSweeps = 6;
+  const Refilter refilter{likelihood, model};
   NoiseModel best = start;
-  JointVector best_value = likelihood.deviance(model, best);
+  JointVector best_value = refilter.deviance(best);
   std::array<JointVector, kMembers.size()> width;
   width.fill(JointVector::Constant(0.4));  // in the logarithm
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -121,8 +202,8 @@ NoiseModel fit_noise(const Likelihood& likelihood,
       };
       const NoiseModel lower = at(-width[m]);
       const NoiseModel upper = at(width[m]);
-      const JointVector low = likelihood.deviance(model, lower);
-      const JointVector high = likelihood.deviance(model, upper);
+      const JointVector low = refilter.deviance(lower);
+      const JointVector high = refilter.deviance(upper);
       JointVector step;
       for (Eigen::Index i = 0; i < step.size(); ++i) {
         const double w = width[m][i];
@@ -132,7 +213,7 @@ NoiseModel fit_noise(const Likelihood& likelihood,
                              : (low[i] < high[i] ? -w : w);
       }
       const NoiseModel trial = at(step);
-      const JointVector value = likelihood.deviance(model, trial);
+      const JointVector value = refilter.deviance(trial);
       for (Eigen::Index i = 0; i < step.size(); ++i) {
         const auto take = [&](const NoiseModel& other, double other_value) {
           if (other_value >= best_value[i]) return;

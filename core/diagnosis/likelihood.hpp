@@ -7,6 +7,7 @@
 
 #include "core/diagnosis/base_prior.hpp"
 #include "core/diagnosis/noise_model.hpp"
+#include "core/diagnosis/predictor.hpp"
 #include "core/diagnosis/recording.hpp"
 #include "core/diagnosis/tether.hpp"
 #include "core/effects/effect.hpp"
@@ -27,6 +28,9 @@ struct MachineModel {
 /// The first samples of a run, in which the tether finds the speed, do not count.
 class Likelihood {
  public:
+  /// Samples in which the tether finds the speed.
+  static constexpr std::size_t kSettling = 50;
+
   Likelihood(const DiagnosisCase& data, const ArmModel& arm, std::size_t threads);
 
   [[nodiscard]] const DiagnosisCase& data() const noexcept { return *data_; }
@@ -41,6 +45,15 @@ class Likelihood {
 
   /// Whitened innovations of a run, axis after axis within a sample.
   [[nodiscard]] Eigen::VectorXf errors(std::size_t run, const MachineModel& model) const;
+
+  /// Innovations of a run, rad.
+  [[nodiscard]] std::vector<JointVector> innovations_of(std::size_t run,
+                                                        const MachineModel& model) const;
+
+  /// What the tethered simulation goes through.
+  [[nodiscard]] std::vector<PredictedState> states(std::size_t run,
+                                                   const MachineModel& model) const;
+  [[nodiscard]] const Tether& tether(std::size_t run) const noexcept { return tethers_[run]; }
 
   /// The same of every run.
   [[nodiscard]] std::vector<Eigen::VectorXf> errors(const MachineModel& model) const;
@@ -61,7 +74,9 @@ class Likelihood {
   std::vector<Tether> tethers_;
 };
 
-/// The noise that makes the recordings most probable under the model, within what is usual.
+/// The noise that makes the recordings most probable under the model, within what is usual. Other
+/// gains turn innovations into others by the linear model of the tether: the plant is simulated
+/// once.
 [[nodiscard]] NoiseModel fit_noise(const Likelihood& likelihood,
                                    const MachineModel& model,
                                    const NoiseModel& start);

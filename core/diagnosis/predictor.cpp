@@ -102,7 +102,7 @@ std::vector<JointVector> innovations(const PredictorModel& model,
                .q = q0,
                .qd = qd0}};
   ExactReading reading{terms, q0, qd0};
-  constexpr double kFastest = 8000.0;  // 1/s: what is faster cannot be told from what is rigid
+  constexpr double kFastest = 1500.0;  // 1/s: what is faster cannot be told from what is rigid
   if (plant.fastest_rate() > kFastest) {
     return std::vector(run.rows(), JointVector{JointVector::Constant(kNone)});
   }

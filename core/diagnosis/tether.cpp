@@ -1,5 +1,6 @@
 #include "core/diagnosis/tether.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -84,7 +85,11 @@ std::vector<JointMatrix> mobilities(const ArmModel& arm, const Recording& run) {
   return all;
 }
 
-Tether::Tether(const ArmModel& arm, const Recording& run, double period_s, const NoiseModel& noise)
+Tether::Tether(const ArmModel& arm,
+               const Recording& run,
+               double period_s,
+               const NoiseModel& noise,
+               std::size_t rows)
     : memory_{(-period_s * noise.time_constant.cwiseInverse()).array().exp().matrix()} {
   const JointVector reading = noise.reading.cwiseAbs2();
   const JointVector white = noise.white.cwiseAbs2();
@@ -94,10 +99,11 @@ Tether::Tether(const ArmModel& arm, const Recording& run, double period_s, const
   P.qq = reading.asDiagonal();
   P.vv = JointMatrix::Identity() * kStartSpeed * kStartSpeed;
   P.dd = coloured.asDiagonal();
-  steps_.reserve(run.rows());
-  for (const JointVector& q : run.q) {
+  const std::size_t count = rows == 0 ? run.rows() : std::min(rows, run.rows());
+  steps_.reserve(count);
+  for (std::size_t k = 0; k < count; ++k) {
     steps_.push_back(update(P, reading));
-    predict(P, period_s, mass_matrix(arm, q).inverse(), white, memory_, fresh);
+    predict(P, period_s, mass_matrix(arm, run.q[k]).inverse(), white, memory_, fresh);
   }
 }
 

@@ -26,7 +26,12 @@ class Tether {
     double log_determinant = 0.0;                   ///< of the innovation's covariance
   };
 
-  Tether(const ArmModel& arm, const Recording& run, double period_s, const NoiseModel& noise);
+  /// @param rows how many of the run's; 0: all
+  Tether(const ArmModel& arm,
+         const Recording& run,
+         double period_s,
+         const NoiseModel& noise,
+         std::size_t rows = 0);
 
   [[nodiscard]] const std::vector<Step>& steps() const noexcept { return steps_; }
   [[nodiscard]] const JointVector& memory() const noexcept { return memory_; }  ///< φ
