@@ -55,8 +55,10 @@ class MotorHeatExperiment final : public Experiment {
     motor.hold(std::min(kFirst_s, seconds_));
     const double torque_first = motor.torque_Nm();
     double time_s = std::min(kFirst_s, seconds_);
-    Figure::Curve casing{.label = "casing", .points = {{time_s, motor.casing_rise_K()}}};
-    Figure::Curve winding{.label = "winding", .points = {{time_s, motor.winding_rise_K()}}};
+    Figure::Curve casing{.label = "casing",
+                         .points = {{0.0, 0.0}, {time_s, motor.casing_rise_K()}}};
+    Figure::Curve winding{.label = "winding",
+                          .points = {{0.0, 0.0}, {time_s, motor.winding_rise_K()}}};
     double warmest_K = motor.winding_rise_K();
     const double part_s = std::max(1.0, seconds_ / 500.0);
     while (time_s < seconds_ && !context.stopped()) {

@@ -238,8 +238,8 @@ TEST(MarginalGainExperiment, FindsTheWallOfThePaperWithinATenth) {
 }
 
 TEST(FrequencyResponseExperiment, FindsThePlantedStructure) {
-  const Results results = run(Scenario{read_scenario("frequency-response")});
-  // What scenarios/catalogue/frequency-response.toml plants, at the tool.
+  const Results results = run(Scenario{read_scenario("x-axis-response")});
+  // What scenarios/catalogue/x-axis-response.toml plants, at the tool.
   const ArmModel arm = load_arm("phantom-1.5");
   const double lever2 = std::pow(arm.parameters().l1_m, 2);
   const double mass = mass_matrix(arm, JointVector::Zero())(0, 0) / lever2;
