@@ -27,9 +27,9 @@ TEST(ShippedGainsCampaign, TheTunerFindsNoWorsePoseThanTheRecordedOne) {
   int unanswered = 0;
   for (const nlohmann::json& point : json.at("points")) {
     if (point.at("gain").is_null()) {
-      // Tuner and theory agree within a tenth wherever both have an answer.
+      // Where both have an answer the tuner's is within 15 % of theory.
       ++unanswered;
-      EXPECT_GT(point.at("analytic_gain").get<double>(), 1.1 * recorded) << point.at("pose_rad");
+      EXPECT_GT(point.at("analytic_gain").get<double>(), 1.2 * recorded) << point.at("pose_rad");
       continue;
     }
     EXPECT_GE(point.at("gain_high").get<double>(), recorded)
