@@ -23,8 +23,8 @@ constexpr double kNear = 0.12;           ///< |ln g/g*| of probes that count for
 constexpr double kSameFrequency = 0.15;  ///< relative
 constexpr double kWorthBracketing = 1.15;
 constexpr std::size_t kFewestNear = 9;
-constexpr int kMostInARow = 8;        ///< probes that say nothing
-constexpr double kFewestBelow = 1.1;  ///< gains nearer to one that is too high are not tried
+constexpr int kMostInARow = 8;      ///< probes that say nothing
+constexpr double kLeastRoom = 1.1;  ///< up to a gain that is too high: less is not worth a try
 
 bool is_stable(const ProbeResult& p) {
   return p.verdict == Verdict::quiet || p.verdict == Verdict::decays || p.verdict == Verdict::small;
@@ -371,7 +371,7 @@ MarginalSearch::Step MarginalSearch::next(Probes probes) const {
     if (gain > config_.most_gain) return end(SearchEnd::no_limit);
     if (gain < config_.start_gain / 300.0) return end(SearchEnd::always_unstable);
     const double most = k.low != nullptr ? k.too_high / k.low->plan.gain : 0.0;
-    const bool no_room = most > 1.0 && most < kFewestBelow;
+    const bool no_room = most > 1.0 && most < kLeastRoom;
     if (no_room || (k.low != nullptr && room_for(config_, k.low) < 4.0 * config_.quantum_m)) {
       return end(SearchEnd::force_limited);
     }
