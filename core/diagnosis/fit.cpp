@@ -240,18 +240,21 @@ Eigen::VectorXd Fit::deviations() const {
   return covariance.diagonal().head(static_cast<Index>(free.size())).cwiseMax(0.0).cwiseSqrt();
 }
 
-std::vector<double> Fit::left_out() const {
-  std::vector<double> result;
-  result.reserve(errors.size());
+Eigen::VectorXf Fit::left_out_errors(std::size_t run) const {
+  const Eigen::MatrixXf& J = slopes[run];
+  const Eigen::VectorXf& w = errors[run];
+  const Eigen::MatrixXd rest = information - (J.transpose() * J).cast<double>();
+  // Without this run the other runs' gradient is the opposite of its own.
+  const Eigen::VectorXd move = rest.ldlt().solve((J.transpose() * w).cast<double>());
+  return w + J * move.cast<float>();
+}
+
+double Fit::left_out() const {
+  double sum = 0.0;
   for (std::size_t run = 0; run < errors.size(); ++run) {
-    const Eigen::MatrixXf& J = slopes[run];
-    const Eigen::VectorXf& w = errors[run];
-    const Eigen::MatrixXd rest = information - (J.transpose() * J).cast<double>();
-    // Without this run the other runs' gradient is the opposite of its own.
-    const Eigen::VectorXd move = rest.ldlt().solve((J.transpose() * w).cast<double>());
-    result.push_back((w + J * move.cast<float>()).cast<double>().squaredNorm());
+    sum += left_out_errors(run).cast<double>().squaredNorm();
   }
-  return result;
+  return sum;
 }
 
 Fit fit(const Likelihood& likelihood,

@@ -40,8 +40,11 @@ struct Fit {
   /// Standard errors of the free parameters in the searched coordinates.
   [[nodiscard]] Eigen::VectorXd deviations() const;
 
-  /// Σ |w|² of each run under the parameters that the other runs ask for, to first order.
-  [[nodiscard]] std::vector<double> left_out() const;
+  /// Errors of a run under the parameters that the other runs ask for, to first order.
+  [[nodiscard]] Eigen::VectorXf left_out_errors(std::size_t run) const;
+
+  /// Σ |w|² of all runs so.
+  [[nodiscard]] double left_out() const;
 };
 
 struct FitOptions {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -119,9 +118,7 @@ class Search {
     result.fit = fit(*likelihood_, base_, result.fit.model);
     result.deviance = likelihood_->deviance(result.fit.model, result.noise).sum() +
                       result.fit.model.base.squaredNorm();
-    const std::vector<double> apart = result.fit.left_out();
-    result.left_out =
-        result.deviance - result.fit.chi2 + std::accumulate(apart.begin(), apart.end(), 0.0);
+    result.left_out = result.deviance - result.fit.chi2 + result.fit.left_out();
     return result;
   }
 

@@ -1,0 +1,199 @@
+#include "core/diagnosis/answer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/effects/vocabulary.hpp"
+
+namespace teleop {
+namespace {
+
+/// Evidence counts less than it seems: quantised readings are not quite normal noise.
+constexpr double kTemperature = 3.0;
+/// A regularity that is left with more than this is no accident.
+constexpr double kLeftover = 30.0;
+
+/// Share of an interval of independent tests: the least of `tests` values that are χ² of one
+/// degree.
+double p_value_of(double largest, double tests) {
+  const double one = std::erfc(std::sqrt(std::max(largest, 0.0) / 2.0));
+  return -std::expm1(tests * std::log1p(-std::min(one, 1.0 - 1e-16)));
+}
+
+/// RMS of whitened innovations a run and axis, of parameters that fit the other runs.
+JointVector left_out_rms(const Fit& fit) {
+  JointVector sum = JointVector::Zero();
+  double rows = 0.0;
+  for (std::size_t run = 0; run < fit.errors.size(); ++run) {
+    const Eigen::VectorXf w = fit.left_out_errors(run);
+    const Eigen::Map<const Eigen::Matrix<float, 3, Eigen::Dynamic>> axes{w.data(), 3, w.size() / 3};
+    sum += axes.cast<double>().rowwise().squaredNorm();
+    rows += static_cast<double>(axes.cols());
+  }
+  return (sum / rows).cwiseSqrt();
+}
+
+HeldOutFit held_out(Likelihood& likelihood, const Explanation& best) {
+  HeldOutFit result;
+  for (const Recording& run : likelihood.data().runs)
+    result.runs.push_back(run.name);
+  likelihood.set_noise(best.noise);
+  const Fit nominal = fit(likelihood, base_columns(likelihood, {}), {});
+  const JointVector before = left_out_rms(nominal);
+  const JointVector after = left_out_rms(best.fit);
+  Eigen::Index axis = 0;
+  (before - after).maxCoeff(&axis);
+  result.nominal = before[axis];
+  result.corrected = after[axis];
+  return result;
+}
+
+Verdict judge(const Diagnosis& diagnosis) {
+  const bool rest = !diagnosis.leftovers.empty() && diagnosis.leftovers.front().gain > kLeftover;
+  if (diagnosis.found.effects.empty()) return rest ? Verdict::unexplained : Verdict::adequate;
+  return rest ? Verdict::partly_explained : Verdict::explained;
+}
+
+void weigh_rivals(Diagnosis& diagnosis) {
+  for (const NamedEffect& effect : diagnosis.found.effects) {
+    std::vector<double> weights;
+    double sum = 1.0 + std::exp(-effect.gain / (2.0 * kTemperature));
+    for (const NamedEffect::Rival& rival : effect.rivals) {
+      weights.push_back(std::exp(-std::max(rival.behind, 0.0) / (2.0 * kTemperature)));
+      sum += weights.back();
+    }
+    for (double& weight : weights) {
+      weight /= sum;
+    }
+    diagnosis.confidences.push_back(0.99 / sum);
+    diagnosis.rival_confidences.push_back(std::move(weights));
+  }
+}
+
+nlohmann::ordered_json axis_of(const EffectSpec& effect, const DiagnosisCase& data) {
+  if (!effect.axis) return nullptr;
+  if (data.bench.empty()) return *effect.axis + 1;
+  return data.bench[*effect.axis].name;
+}
+
+nlohmann::ordered_json parameters_of(const NamedEffect& named) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const EffectParameter& parameter : find_effect(named.effect.kind).parameters) {
+    const auto value = named.effect.parameters.find(std::string{parameter.name});
+    if (value == named.effect.parameters.end()) continue;
+    double deviation = 0.0;
+    for (std::size_t i = 0; i < named.free.size(); ++i) {
+      if (named.free[i].name != parameter.name) continue;
+      deviation = named.deviations[static_cast<Eigen::Index>(i)];
+      if (named.free[i].logarithmic) deviation *= std::abs(value->second);
+    }
+    list.push_back({{"name", parameter.name},
+                    {"value", value->second},
+                    {"std", deviation},
+                    {"unit", parameter.unit}});
+  }
+  return list;
+}
+
+}  // namespace
+
+std::string_view text_of(Verdict verdict) noexcept {
+  switch (verdict) {
+    case Verdict::adequate:
+      return "adequate";
+    case Verdict::explained:
+      return "explained";
+    case Verdict::partly_explained:
+      return "partly_explained";
+    case Verdict::unexplained:
+      return "unexplained";
+  }
+  return "unexplained";
+}
+
+Diagnosis diagnose(Likelihood& likelihood, const SearchOptions& options) {
+  constexpr double kPlaces = 100.0;  // independent ones among trials and probes, about
+  Diagnosis diagnosis;
+  diagnosis.found = search(likelihood, options);
+  likelihood.set_noise(diagnosis.found.best.noise);
+  diagnosis.leftovers = leftovers(likelihood, diagnosis.found.best.fit);
+  diagnosis.verdict = judge(diagnosis);
+  double evidence = diagnosis.leftovers.empty() ? 0.0 : diagnosis.leftovers.front().gain;
+  for (const NamedEffect& effect : diagnosis.found.effects) {
+    evidence = std::max(evidence, effect.gain);
+  }
+  diagnosis.p_value = p_value_of(evidence, kPlaces);
+  diagnosis.fit = held_out(likelihood, diagnosis.found.best);
+  weigh_rivals(diagnosis);
+  return diagnosis;
+}
+
+nlohmann::ordered_json answer_of(const Diagnosis& diagnosis, const DiagnosisCase& data) {
+  using Json = nlohmann::ordered_json;
+  std::set<std::string_view> channels;
+  Json axes = Json::array();
+  Json effects = Json::array();
+  for (std::size_t i = 0; i < diagnosis.found.effects.size(); ++i) {
+    const NamedEffect& named = diagnosis.found.effects[i];
+    channels.insert(text_of(find_effect(named.effect.kind).channel));
+    const Json axis = axis_of(named.effect, data);
+    if (!axis.is_null() && std::find(axes.begin(), axes.end(), axis) == axes.end()) {
+      axes.push_back(axis);
+    }
+    Json rivals = Json::array();
+    for (std::size_t j = 0; j < named.rivals.size(); ++j) {
+      const double confidence = diagnosis.rival_confidences[i][j];
+      constexpr double kWorthMention = 0.005;
+      if (confidence < kWorthMention) continue;
+      rivals.push_back({{"kind", named.rivals[j].effect.kind},
+                        {"axis", axis_of(named.rivals[j].effect, data)},
+                        {"confidence", confidence}});
+    }
+    effects.push_back({{"kind", named.effect.kind},
+                       {"axis", axis},
+                       {"confidence", diagnosis.confidences[i]},
+                       {"parameters", parameters_of(named)},
+                       {"alternatives", rivals}});
+  }
+  const bool rest =
+      diagnosis.verdict == Verdict::partly_explained || diagnosis.verdict == Verdict::unexplained;
+  std::string where = "nothing stands out of the noise";
+  if (!diagnosis.found.effects.empty()) where = "";
+  if (rest) {
+    const Leftover& first = diagnosis.leftovers.front();
+    channels.insert("unknown");
+    const Json axis = data.bench.empty() ? Json(first.axis + 1) : Json(data.bench[first.axis].name);
+    if (std::find(axes.begin(), axes.end(), axis) == axes.end()) axes.push_back(axis);
+    where =
+        fmt::format("a torque of about {:.2g} that follows {}", first.amplitude, first.quantity);
+    effects.push_back({{"kind", "unknown"},
+                       {"axis", axis},
+                       {"confidence", 0.9},
+                       {"parameters", Json::array()},
+                       {"alternatives", Json::array()},
+                       {"text", where}});
+  }
+  Json channel = channels.empty() ? Json("none") : Json(*channels.begin());
+  if (channels.size() > 1) {
+    channel = Json::array();
+    for (const std::string_view each : channels)
+      channel.push_back(each);
+  }
+  return {
+      {"verdict", text_of(diagnosis.verdict)},
+      {"mismatch",
+       {{"axes", axes}, {"channel", channel}, {"where", where}, {"p_value", diagnosis.p_value}}},
+      {"effects", effects},
+      {"fit",
+       {{"nominal_nrmse", diagnosis.fit.nominal},
+        {"corrected_nrmse", diagnosis.fit.corrected},
+        {"noise_floor_nrmse", diagnosis.fit.floor},
+        {"held_out_runs", diagnosis.fit.runs}}},
+      {"next_experiment", ""}};
+}
+
+}  // namespace teleop
