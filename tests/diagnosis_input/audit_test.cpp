@@ -1,0 +1,342 @@
+#include "core/diagnosis/audit.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <numbers>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.hpp"
+#include "core/diagnosis/case_folder.hpp"
+#include "tests/diagnosis_input/made_runs.hpp"
+
+namespace teleop {
+namespace {
+
+using testing::made_case;
+
+/// Findings worse than notes, a line each.
+std::string complaints(const Audit& found) {
+  std::string lines;
+  for (const Finding& finding : found.findings) {
+    if (finding.severity == Severity::note) continue;
+    lines += std::string{name_of(finding.severity)} + " " + finding.kind + ": " + line_of(finding) +
+             '\n';
+  }
+  return lines;
+}
+
+TEST(Audit, IsSilentOnSoundRuns) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    EXPECT_EQ(complaints(audit(made_case(testing::ideal_plant(), seed))), "") << seed;
+  }
+}
+
+TEST(Audit, IsSilentOnSlowRunsAndOnRunsThatBeginAtRest) {
+  testing::Motion slow{.fastest_Hz = 0.5, .amplitude_rad = 0.1};
+  EXPECT_EQ(complaints(audit(made_case(testing::ideal_plant(), 11, slow))), "");
+}
+
+/// An effect that a diagnosis is for must not pass for a fault of the recording.
+TEST(Audit, TakesNoMissingPhysicsForAFaultOfTheRecording) {
+  const std::vector<EffectSpec> effects{
+      {.kind = "coulomb_friction", .axis = 1, .parameters = {{"level", 0.02}}},
+      {.kind = "viscous_friction", .axis = 2, .parameters = {{"coefficient", 0.05}}},
+      {.kind = "torque_gain", .axis = 0, .parameters = {{"gain", 0.7}}},
+      {.kind = "torque_saturation", .axis = 2, .parameters = {{"limit", 0.03}}},
+      {.kind = "torque_deadzone", .axis = 1, .parameters = {{"threshold", 0.004}}},
+      {.kind = "actuation_delay", .axis = 0, .parameters = {{"delay", 0.003}}},
+      {.kind = "backlash", .axis = 2, .parameters = {{"gap", 0.004}}},
+      {.kind = "transmission_compliance",
+       .axis = 1,
+       .parameters = {{"stiffness", 3.0}, {"damping", 0.004}}},
+      {.kind = "cable_spring", .axis = 0, .parameters = {{"stiffness", 0.5}, {"rest_angle", 0.1}}},
+      {.kind = "axis_coupling", .axis = 0, .parameters = {{"fraction", 0.2}, {"from_axis", 2.0}}},
+      {.kind = "payload", .parameters = {{"mass", 0.05}}},
+      {.kind = "added_inertia", .axis = 2, .parameters = {{"inertia", 0.001}}},
+      {.kind = "encoder_scale", .axis = 1, .parameters = {{"scale", 1.1}}},
+      {.kind = "time_base", .parameters = {{"ratio", 1.05}}},
+      {.kind = "contact",
+       .axis = 1,
+       .parameters = {{"location", 0.45}, {"stiffness", 5.0}, {"damping", 0.01}, {"side", 1.0}}},
+      {.kind = "hand_impedance",
+       .parameters = {{"stiffness", 200.0}, {"damping", 3.0}, {"mass", 0.1}}},
+  };
+  std::uint64_t seed = 20;
+  for (const EffectSpec& effect : effects) {
+    PlantSpec plant = testing::ideal_plant();
+    plant.effects.push_back(effect);
+    EXPECT_EQ(complaints(audit(made_case(plant, seed += 2))), "") << effect.kind;
+  }
+}
+
+TEST(Audit, IsSilentOnTheChallenge) {
+  if (!std::filesystem::exists(testing::shared("challenge"))) {
+    GTEST_SKIP() << "the challenge is not here";
+  }
+  std::size_t cases = 0;
+  for (const char* set : {"challenge/practice", "challenge/sealed"}) {
+    for (const auto& entry : std::filesystem::directory_iterator{testing::shared(set)}) {
+      if (!entry.is_directory()) continue;
+      EXPECT_EQ(complaints(audit(read_case(entry.path()))), "") << entry.path();
+      ++cases;
+    }
+  }
+  EXPECT_EQ(cases, 36U);
+}
+
+// --- planted faults, in the second run of a sound case
+
+using Plant = void (*)(DiagnosisCase& of, Recording& run);
+
+struct Planted {
+  const char* name;
+  Plant plant;
+  const char* kind;
+  Severity severity;
+  const char* column;
+  std::size_t row;  ///< of the file; 0: whichever
+};
+
+class PlantedFault : public ::testing::TestWithParam<Planted> {
+ protected:
+  static DiagnosisCase sound() { return made_case(testing::ideal_plant(), 31); }
+};
+
+TEST_P(PlantedFault, IsFoundAndNothingElse) {
+  const Planted& planted = GetParam();
+  DiagnosisCase of = sound();
+  planted.plant(of, of.runs[1]);
+
+  const Audit found = audit(of);
+
+  std::set<std::string> kinds;
+  for (const Finding& finding : found.findings) {
+    kinds.insert(finding.kind);
+  }
+  EXPECT_EQ(kinds, std::set<std::string>{planted.kind}) << complaints(found);
+  const auto match =
+      std::find_if(found.findings.begin(), found.findings.end(), [&](const Finding& finding) {
+        return finding.kind == planted.kind && finding.column == planted.column &&
+               finding.severity == planted.severity &&
+               (planted.row == 0 || finding.row == planted.row);
+      });
+  EXPECT_NE(match, found.findings.end()) << complaints(found);
+  EXPECT_EQ(found.fatal(), planted.severity == Severity::fatal);
+  if (found.fatal()) {
+    EXPECT_THROW(refuse_fatal(found), ConfigError);
+  } else {
+    EXPECT_NO_THROW(refuse_fatal(found));
+  }
+}
+
+void swap_axes(std::vector<JointVector>& rows, Eigen::Index a, Eigen::Index b) {
+  for (JointVector& row : rows) {
+    std::swap(row[a], row[b]);
+  }
+}
+
+void scale(std::vector<JointVector>& rows, Eigen::Index axis, double factor) {
+  for (JointVector& row : rows) {
+    row[axis] *= factor;
+  }
+}
+
+void cut(Recording& run, std::size_t first, std::size_t last) {
+  const auto erase = [&](auto& rows) {
+    rows.erase(rows.begin() + static_cast<std::ptrdiff_t>(first),
+               rows.begin() + static_cast<std::ptrdiff_t>(last));
+  };
+  erase(run.t_s);
+  erase(run.q);
+  erase(run.tau);
+}
+
+/// A run that stands still and whose command does too.
+void freeze(Recording& run) {
+  run.q.assign(run.rows(), run.q.front());
+  run.tau.assign(run.rows(), run.tau.front());
+}
+
+/// The delivered torques as they would be measured: those of the row before.
+std::vector<JointVector> delivered(const std::vector<JointVector>& tau) {
+  std::vector<JointVector> measured{tau.begin(), tau.end() - 1};
+  measured.insert(measured.begin(), tau.front());
+  return measured;
+}
+
+constexpr auto kWarning = Severity::warning;
+constexpr auto kFatal = Severity::fatal;
+
+INSTANTIATE_TEST_SUITE_P(
+    All,
+    PlantedFault,
+    ::testing::Values(
+        Planted{"WrongRate", [](auto& of, auto&) { of.period_s = 2e-3; }, "wrong_rate", kFatal,
+                "t_s", 3},
+        Planted{"Gap", [](auto&, auto& run) { cut(run, 500, 507); }, "gap", kFatal, "t_s", 502},
+        Planted{"TimeStands", [](auto&, auto& run) { run.t_s[70] = run.t_s[69]; }, "repeated_time",
+                kFatal, "t_s", 72},
+        Planted{"TimeGoesBack", [](auto&, auto& run) { run.t_s[70] = 0.0; }, "repeated_time", kFatal,
+                "t_s", 72},
+        Planted{"OneLateRow", [](auto&, auto& run) { run.t_s[70] += 0.8e-3; }, "jitter", kWarning,
+                "t_s", 72},
+        Planted{"Jitter",
+                [](auto&, auto& run) {
+                  Random random{1};
+                  for (double& stamp : run.t_s) {
+                    stamp += random.uniform(-2e-4, 2e-4);
+                  }
+                },
+                "jitter", kWarning, "t_s", 0},
+        Planted{"RepeatedRow",
+                [](auto&, auto& run) {
+                  // Where joint 1 is fast, by the file's own numbers.
+                  for (std::size_t k = 1500; k + 2 < run.rows(); ++k) {
+                    if (std::abs(run.q[k][0] - run.q[k - 1][0]) < 6e-4) continue;
+                    run.q[k + 1] = run.q[k];
+                    run.tau[k + 1] = run.tau[k];
+                    return;
+                  }
+                },
+                "repeated_rows", kWarning, "", 0},
+        Planted{"Saturation",
+                [](auto&, auto& run) {
+                  double largest = 0.0;
+                  for (const JointVector& tau : run.tau) {
+                    largest = std::max(largest, std::abs(tau[0]));
+                  }
+                  for (JointVector& tau : run.tau) {
+                    tau[0] = std::clamp(tau[0], -0.00001 * std::round(5e4 * largest),
+                                        0.00001 * std::round(5e4 * largest));
+                  }
+                },
+                "saturation", kWarning, "tau1_Nm", 0},
+        Planted{"DeadEncoder",
+                [](auto&, auto& run) {
+                  for (JointVector& q : run.q) {
+                    q[1] = run.q.front()[1];
+                  }
+                },
+                "constant_column", kWarning, "q2_rad", 2},
+        Planted{"DeadCommand", [](auto&, auto& run) { scale(run.tau, 2, 0.0); }, "constant_column",
+                kWarning, "tau3_Nm", 2},
+        Planted{"SwappedCommands", [](auto&, auto& run) { swap_axes(run.tau, 0, 1); },
+                "swapped_columns", kFatal, "tau2_Nm", 2},
+        Planted{"SwappedCommandsOfTwoAndThree", [](auto&, auto& run) { swap_axes(run.tau, 1, 2); },
+                "swapped_columns", kFatal, "tau3_Nm", 2},
+        Planted{"SwappedReadings", [](auto&, auto& run) { swap_axes(run.q, 1, 2); },
+                "swapped_columns", kFatal, "tau3_Nm", 2},
+        Planted{"RotatedCommands",
+                [](auto&, auto& run) {
+                  swap_axes(run.tau, 0, 1);
+                  swap_axes(run.tau, 1, 2);
+                },
+                "swapped_columns", kFatal, "tau3_Nm", 2},
+        Planted{"Millinewtonmetres", [](auto&, auto& run) { scale(run.tau, 1, 1e3); }, "wrong_units",
+                kFatal, "tau2_Nm", 2},
+        Planted{"Degrees",
+                [](auto&, auto& run) { scale(run.q, 1, 180.0 / std::numbers::pi); },
+                "wrong_readings", kFatal, "q2_rad", 0},
+        Planted{"OtherEncoder", [](auto&, auto& run) { scale(run.q, 2, 1.0123); }, "wrong_readings",
+                kFatal, "q3_rad", 0},
+        Planted{"FarAway",
+                [](auto& of, auto& run) {
+                  for (JointVector& q : run.q) {
+                    q[0] += 40000.0 * of.resolution[0];
+                  }
+                },
+                "wrong_readings", kFatal, "q1_rad", 2},
+        Planted{"DamagedReading", [](auto& of, auto& run) { run.q[99][0] += 0.4 * of.resolution[0]; },
+                "off_grid", kWarning, "q1_rad", 101},
+        Planted{"WrongSign", [](auto&, auto& run) { scale(run.tau, 0, -1.0); }, "wrong_sign", kFatal,
+                "tau1_Nm", 2},
+        Planted{"MeasuredForCommanded",
+                [](auto&, auto& run) {
+                  Random random{3};
+                  for (JointVector& tau : run.tau) {
+                    tau[1] += random.normal() * 1e-4;
+                  }
+                },
+                "off_command_step", kWarning, "tau2_Nm", 0},
+        Planted{"SwappedCurrents",
+                [](auto&, auto& run) {
+                  run.measured = delivered(run.tau);
+                  std::swap(run.measured, run.tau);
+                },
+                "swapped_currents", kFatal, "tau1_Nm", 2},
+        Planted{"ShortRun", [](auto&, auto& run) { cut(run, 300, run.rows()); }, "short_run", kWarning,
+                "", 2},
+        Planted{"TooShort",
+                [](auto& of, auto& run) {
+                  run.held_out = true;
+                  cut(of.runs[0], 700, of.runs[0].rows());
+                },
+                "too_short", kFatal, "", 0},
+        Planted{"Note", [](auto&, auto& run) { run.notes.emplace_back("not used: i1_A"); },
+                "not_used", Severity::note, "", 0}),
+    [](const auto& one) { return std::string{one.param.name}; });
+
+TEST(Audit, SaysWhenNothingMoves) {
+  DiagnosisCase of = made_case(testing::ideal_plant(), 41);
+  for (Recording& run : of.runs) {
+    freeze(run);
+  }
+  const Audit found = audit(of);
+  EXPECT_NE(complaints(found).find("fatal no_excitation"), std::string::npos) << complaints(found);
+  EXPECT_NE(complaints(found).find("constant_column"), std::string::npos);
+}
+
+TEST(Audit, SaysWhichAxisDoesNotMove) {
+  DiagnosisCase of = made_case(testing::ideal_plant(), 42);
+  for (Recording& run : of.runs) {
+    for (JointVector& q : run.q) {
+      q[2] = std::round(0.25 / of.resolution[2]) * of.resolution[2];
+    }
+  }
+  const Audit found = audit(of);
+  EXPECT_FALSE(found.fatal());
+  EXPECT_NE(complaints(found).find("little_motion: made: q3_rad"), std::string::npos)
+      << complaints(found);
+}
+
+TEST(Audit, CountsRowsAsTheFileDoes) {
+  DiagnosisCase of = made_case(testing::ideal_plant(), 43);
+  of.runs[0].first_row = 1002;  // a window
+  of.runs[0].file = "data/run.csv";
+  of.runs[0].t_s[10] = of.runs[0].t_s[9];
+  const Audit found = audit(of);
+  ASSERT_TRUE(found.fatal());
+  EXPECT_TRUE(line_of(found.findings.front()).starts_with("data/run.csv:1012: t_s: "))
+      << line_of(found.findings.front());
+}
+
+TEST(Audit, TakesMeasuredTorquesThatFollowTheCommandForSound) {
+  DiagnosisCase of = made_case(testing::ideal_plant(), 44);
+  for (Recording& run : of.runs) {
+    run.measured = delivered(run.tau);
+  }
+  EXPECT_EQ(complaints(audit(of)), "");
+}
+
+/// The same of benches, whose inertia may not be known.
+TEST(Audit, FindsSignAndUnitsOfABench) {
+  DiagnosisCase of = made_case(testing::ideal_plant(), 45);
+  of.plant = "rigid-axes";
+  of.command_step = 0.0;
+  of.bench = {{.name = "a", .inertia = 3.7e-3, .position_column = "a_rad", .motor_column = "a_Nm"},
+              {.name = "b", .position_column = "b_rad", .motor_column = "b_Nm"}};
+  EXPECT_EQ(complaints(audit(of)), "");
+  scale(of.runs[0].tau, 0, 1e3);
+  scale(of.runs[0].tau, 1, -1e3);
+  const std::string said = complaints(audit(of));
+  EXPECT_NE(said.find("warning wrong_units: run-45.csv:2: a_Nm"), std::string::npos) << said;
+  EXPECT_NE(said.find("fatal wrong_sign: run-45.csv:2: b_Nm"), std::string::npos) << said;
+}
+
+}  // namespace
+}  // namespace teleop
