@@ -304,6 +304,48 @@ TEST(Audit, SaysWhichAxisDoesNotMove) {
       << complaints(found);
 }
 
+TEST(Audit, NamesTheRowThatWasWrittenTwice) {
+  DiagnosisCase of = made_case(testing::ideal_plant(), 46);
+  Recording& run = of.runs[0];
+  std::size_t k = 1500;
+  while (std::abs(run.q[k][0] - run.q[k - 1][0]) < 6e-4) {
+    ++k;
+  }
+  run.q[k + 1] = run.q[k];
+  run.tau[k + 1] = run.tau[k];
+  const Audit found = audit(of);
+  ASSERT_EQ(found.findings.size(), 1U) << complaints(found);
+  EXPECT_EQ(found.findings.front().row, run.first_row + k + 1);
+}
+
+/// Repeats at rest are nothing: a controller that sees no motion changes nothing.
+TEST(Audit, LetsRowsRepeatAtRest) {
+  DiagnosisCase of = made_case(testing::ideal_plant(), 47);
+  Recording& run = of.runs[0];
+  run.q.insert(run.q.begin(), 300, run.q.front());
+  run.tau.insert(run.tau.begin(), 300, run.tau.front());
+  run.q.resize(run.t_s.size());
+  run.tau.resize(run.t_s.size());
+  EXPECT_EQ(complaints(audit(of)), "");
+}
+
+TEST(Audit, NamesTheRowWhereACommandBeginsToSaturate) {
+  DiagnosisCase of = made_case(testing::ideal_plant(), 48);
+  Recording& run = of.runs[0];
+  const double limit = 5.0;
+  for (std::size_t k = 2000; k < 2100; ++k) {
+    run.tau[k][1] = -limit;
+  }
+  run.tau[100][1] = limit;  // one large row is none
+  const Audit found = audit(of);
+  const auto saturation =
+      std::find_if(found.findings.begin(), found.findings.end(),
+                   [](const Finding& finding) { return finding.kind == "saturation"; });
+  ASSERT_NE(saturation, found.findings.end()) << complaints(found);
+  EXPECT_EQ(saturation->row, run.first_row + 2000);
+  EXPECT_EQ(saturation->column, "tau2_Nm");
+}
+
 TEST(Audit, CountsRowsAsTheFileDoes) {
   DiagnosisCase of = made_case(testing::ideal_plant(), 43);
   of.runs[0].first_row = 1002;  // a window
