@@ -28,6 +28,12 @@ std::string_view trimmed(std::string_view cell) {
   return cell;
 }
 
+std::string_view without_mark(std::string_view text) {
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  return text;
+}
+
 std::string_view take_line(std::string_view& rest) {
   const std::size_t end = std::min(rest.find('\n'), rest.size());
   std::string_view line = rest.substr(0, end);
@@ -62,11 +68,9 @@ std::string_view shortened(std::string_view cell) { return cell.substr(0, 40); }
 class CsvReader {
  public:
   CsvReader(std::string_view text, const std::string& file, std::span<const std::string> wanted)
-      : rest_{text}, file_{file} {
+      : rest_{without_mark(text)}, file_{file} {
     table_.names.assign(wanted.begin(), wanted.end());
     table_.columns.resize(wanted.size());
-    constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-    if (rest_.starts_with(kByteOrderMark)) rest_.remove_prefix(kByteOrderMark.size());
   }
 
   CsvTable read() {
@@ -80,8 +84,8 @@ class CsvReader {
     }
     if (table_.rows() == 0) {
       throw ConfigError{
-          fmt::format("{}:1: the run is empty: there is no row of numbers below the "
-                      "head line; leave the file out or record it again",
+          fmt::format("{}:1: is empty: there is no row of numbers below the head line; "
+                      "leave the file out or record it again",
                       file_)};
     }
     return std::move(table_);
@@ -97,9 +101,8 @@ class CsvReader {
                       file_, fmt::join(table_.names, ","))};
     }
     std::vector<std::string> found;
-    std::string_view rest = head_;
-    for (std::size_t left = cells_of(head_); left > 0; --left) {
-      add_name(take_cell(rest), found);
+    for (const std::string& name : csv_names(head_)) {
+      add_name(name, found);
     }
     for (std::size_t i = 0; i < table_.names.size(); ++i) {
       if (std::find(targets_.begin(), targets_.end(), i) != targets_.end()) continue;
@@ -174,6 +177,16 @@ class CsvReader {
 };
 
 }  // namespace
+
+std::vector<std::string> csv_names(std::string_view text) {
+  text = without_mark(text);
+  std::string_view head = take_line(text);
+  std::vector<std::string> names(cells_of(head));
+  for (std::string& name : names) {
+    name = take_cell(head);
+  }
+  return names;
+}
 
 CsvTable parse_csv(std::string_view text,
                    const std::string& file,

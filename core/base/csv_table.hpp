@@ -23,6 +23,9 @@ struct CsvTable {
   }
 };
 
+/// The names in the head line of CSV text.
+[[nodiscard]] std::vector<std::string> csv_names(std::string_view text);
+
 /// Reads the columns `wanted` out of CSV text, in that order, whatever order the head line has;
 /// other columns are passed over but for the number of cells. `file` stands for its name in
 /// messages.

@@ -1,5 +1,7 @@
 #include "core/diagnosis/case_folder.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -359,20 +361,21 @@ INSTANTIATE_TEST_SUITE_P(
 // --- the examples
 
 TEST(CaseFolder, ShippedCasesReadTheRealRecordings) {
-  const struct {
+  struct Example {
     const char* file;
     const char* data;
     std::size_t runs;
     std::size_t held_out;
-  } examples[] = {{"emps.toml", "recordings/emps", 2, 1},  // NOLINT(modernize-avoid-c-arrays)
-                  {"emps-reversed.toml", "recordings/emps", 2, 1},
-                  {"eindhoven-law-a.toml", "recordings/tue-bilateral", 12, 8},
-                  {"eindhoven-law-c.toml", "recordings/tue-bilateral", 12, 8},
-                  {"eindhoven-law-d.toml", "recordings/tue-bilateral", 12, 8}};
+  };
+  const std::array examples{Example{"emps.toml", "recordings/emps", 2, 1},
+                            Example{"emps-reversed.toml", "recordings/emps", 2, 1},
+                            Example{"eindhoven-law-a.toml", "recordings/tue-bilateral", 12, 8},
+                            Example{"eindhoven-law-c.toml", "recordings/tue-bilateral", 12, 8},
+                            Example{"eindhoven-law-d.toml", "recordings/tue-bilateral", 12, 8}};
   if (!std::filesystem::exists(testing::shared("recordings"))) {
     GTEST_SKIP() << "the recordings are not here";
   }
-  for (const auto& example : examples) {
+  for (const Example& example : examples) {
     const auto file = std::filesystem::path{TELEOP_SOURCE_DIR} / "scenarios/cases" / example.file;
     const DiagnosisCase out = read_case(file, testing::shared(example.data));
     EXPECT_EQ(out.runs.size(), example.runs) << example.file;
