@@ -69,7 +69,7 @@ void audit_excitation(const DiagnosisCase& of, std::vector<Finding>& findings) {
 void audit_run(const AuditNotes& notes) {
   const Recording& run = notes.run();
   for (const std::string& note : run.notes) {
-    notes.add(Severity::note, "not_used", "", {}, note);
+    notes.add(Severity::note, "note", "", {}, note);
   }
   const double length_s = static_cast<double>(run.rows()) * notes.of().period_s;
   if (length_s < kShortestUseful_s) {

@@ -37,7 +37,7 @@ struct Audit {
 /// capitals:
 ///
 ///   time stamps   WRONG_RATE, GAP, REPEATED_TIME, jitter
-///   rows          repeated_rows, TOO_SHORT, short_run, not_used
+///   rows          repeated_rows, TOO_SHORT, short_run, note (what reading it had to tell)
 ///   columns       constant_column, saturation, WRONG_READINGS (of an arm: no whole counts, or far
 ///                 outside its joint stops: another arm, or degrees), off_grid, off_command_step
 ///   motion        NO_EXCITATION, little_motion; and by regression of the commands on the inertial
@@ -50,7 +50,8 @@ struct Audit {
 ///     Σ_j (h − |j + ½|) τ[k+j] = M (q[k+h] − 2 q[k] + q[k−h]) / T²,   j = −h … h − 1,
 ///
 /// with weight, speed, its sign and position of every axis beside it, so that friction, springs and
-/// bias do not pass for inertia. It is a check of wiring, not an estimate.
+/// bias do not pass for inertia. Measured contact is taken off the commands, or stands beside them
+/// too where its gain may be off. It is a check of wiring, not an estimate.
 [[nodiscard]] Audit audit(const DiagnosisCase& of);
 
 /// @throws ConfigError with the line of the first fatal finding.

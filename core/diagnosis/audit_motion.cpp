@@ -23,8 +23,7 @@ struct Samples {
   Eigen::MatrixXd nuisance;
 };
 
-/// Weight, speed, its sign and position of every axis, measured contact and a constant. Contact is
-/// among them because its sensor's gain may be off.
+/// Weight, speed, its sign and position of every axis, contact whose gain may be off, a constant.
 Eigen::Matrix<double, 1, kNuisances> nuisances(const ArmModel* arm,
                                                const JointVector& q,
                                                const JointVector& qd,
@@ -62,6 +61,15 @@ JointVector inertial_torque(const DiagnosisCase& of,
   return torque;
 }
 
+/// Of each axis: 1 where its measured contact may be believed, 0 where its gain may be off.
+JointVector believed_contact(const DiagnosisCase& of) {
+  JointVector believed = JointVector::Ones();
+  for (std::size_t i = 0; i < of.bench.size(); ++i) {
+    if (of.bench[i].contact_tolerance > 0.0) believed[static_cast<Eigen::Index>(i)] = 0.0;
+  }
+  return believed;
+}
+
 Samples sample(const DiagnosisCase& of, const ArmModel* arm, const Recording& run) {
   const double T = of.period_s;
   const auto h = std::max<std::size_t>(2, static_cast<std::size_t>(std::lround(kHalfWidth_s / T)));
@@ -72,14 +80,17 @@ Samples sample(const DiagnosisCase& of, const ArmModel* arm, const Recording& ru
               .inertial = Eigen::MatrixXd::Zero(rows, 3),
               .nuisance = Eigen::MatrixXd::Zero(rows, kNuisances)};
   const double wide = static_cast<double>(h);
+  const JointVector believed = believed_contact(of);
   for (std::size_t n = 0; n < count; ++n) {
     const std::size_t k = h + n * stride;
     const auto at = static_cast<Eigen::Index>(n);
     const JointVector qdd = (run.q[k + h] - 2.0 * run.q[k] + run.q[k - h]) / (wide * wide * T * T);
     const JointVector qd = (run.q[k + h] - run.q[k - h]) / (2.0 * wide * T);
-    out.command.row(at) = triangle_mean(run.tau, k, h).transpose();
+    const JointVector contact = triangle_mean(run.contact, k, h);
+    const JointVector known = believed.cwiseProduct(contact);
+    out.command.row(at) = (triangle_mean(run.tau, k, h) - known).transpose();
     out.inertial.row(at) = inertial_torque(of, arm, run.q[k], qdd).transpose();
-    out.nuisance.row(at) = nuisances(arm, run.q[k], qd, triangle_mean(run.contact, k, h));
+    out.nuisance.row(at) = nuisances(arm, run.q[k], qd, contact - known);
   }
   return out;
 }

@@ -278,7 +278,7 @@ INSTANTIATE_TEST_SUITE_P(
                 },
                 "too_short", kFatal, "", 0},
         Planted{"Note", [](auto&, auto& run) { run.notes.emplace_back("not used: i1_A"); },
-                "not_used", Severity::note, "", 0}),
+                "note", Severity::note, "", 0}),
     [](const auto& one) { return std::string{one.param.name}; });
 
 TEST(Audit, SaysWhenNothingMoves) {

@@ -10,6 +10,7 @@
 
 #include "core/base/error.hpp"
 #include "core/diagnosis/audit.hpp"
+#include "core/diagnosis/audit_motion.hpp"
 #include "core/model/kinematics.hpp"
 #include "core/recording/log_writer.hpp"
 #include "core/simulation/pair.hpp"
@@ -103,6 +104,23 @@ TEST(CaseLogs, TellsTheForceThatTheArmFelt) {
     largest = std::max(largest, tick.tool_force_N.norm());
   }
   EXPECT_GT(largest, 0.1);
+}
+
+/// Commands less the felt force are what the inertia takes, or one of the two has a wrong sign.
+TEST(CaseLogs, CommandsAndFeltForceTogetherMoveTheArm) {
+  const DiagnosisCase of{};
+  const ArmModel arm = load_arm("phantom-1.5");
+  std::size_t clear = 0;
+  for (const Log* log : {&session().master, &session().slave}) {
+    const auto fit = fit_commands(of, &arm, runs_of(*log).front());
+    ASSERT_TRUE(fit.has_value());
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      if (fit->correlation(i, i) < 0.8) continue;
+      EXPECT_NEAR(fit->share(i, i), 1.0, 0.25) << log->file << " axis " << i + 1;
+      ++clear;
+    }
+  }
+  EXPECT_GE(clear, 3U);
 }
 
 TEST(CaseLogs, MeasuredTorquesFollowTheCommands) {
