@@ -99,6 +99,7 @@ BenchAxis read_axis(CaseTable& table) {
 
 std::size_t axis_named(const std::string& name, const CaseTable& table, const DiagnosisCase& out) {
   std::vector<std::string> known;
+  known.reserve(out.bench.size());
   for (std::size_t i = 0; i < out.bench.size(); ++i) {
     if (out.bench[i].name == name) return i;
     known.push_back(out.bench[i].name);

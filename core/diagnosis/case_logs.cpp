@@ -173,6 +173,9 @@ Recording run_of(const Log& log, const Stretch& stretch, const ArmModel& arm) {
   run.file = log.file.string();
   run.first_row = stretch.first + 1;
   run.about = log.metadata;
+  run.t_s.reserve(rows);
+  run.q.reserve(rows);
+  run.tau.reserve(rows);
   for (auto tick = begin; tick != end; ++tick) {
     run.t_s.push_back(seconds_into(log, *tick));
     run.q.push_back(tick->q_rad);

@@ -24,7 +24,7 @@ struct Recording {
   // Where it comes from, for messages and the audit.
   std::string file{};         ///< path of the file
   std::size_t first_row = 1;  ///< of that file: the line, or the record of a log, of row 0
-  std::vector<double> t_s{};  ///< time stamps as they were written, one a row
+  std::vector<double> t_s{};  ///< time stamps as they were written, one a row; or none
   std::vector<JointVector> measured{};         ///< torques by the measured currents; empty: none
   std::vector<std::string> notes{};            ///< what reading it has to tell, a line each
   std::map<std::string, std::string> about{};  ///< what a log says of itself: "config", "role" …

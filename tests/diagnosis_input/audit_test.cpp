@@ -281,6 +281,16 @@ INSTANTIATE_TEST_SUITE_P(
                 "note", Severity::note, "", 0}),
     [](const auto& one) { return std::string{one.param.name}; });
 
+TEST(Audit, NeedsNoTimeStamps) {
+  DiagnosisCase of = made_case(testing::ideal_plant(), 49);
+  for (Recording& run : of.runs) {
+    run.t_s.clear();
+  }
+  EXPECT_EQ(complaints(audit(of)), "");
+  scale(of.runs[0].tau, 0, -1.0);
+  EXPECT_NE(complaints(audit(of)).find("wrong_sign"), std::string::npos);
+}
+
 TEST(Audit, SaysWhenNothingMoves) {
   DiagnosisCase of = made_case(testing::ideal_plant(), 41);
   for (Recording& run : of.runs) {

@@ -272,6 +272,32 @@ INSTANTIATE_TEST_SUITE_P(
                 "", "carriage has no [[input]]"}),
     [](const auto& one) { return std::string{one.param.name}; });
 
+/// Any damage gives a case or one line that begins with the file, nothing else.
+TEST(CaseFolder, SurvivesAnyDamageToTheCaseFile) {
+  const TemporaryFolder folder;
+  static_cast<void>(folder.write("run.csv", kBenchRun));
+  Random random{30};
+  for (int n = 0; n < testing::cases(500); ++n) {
+    std::string text = kBenchCase;
+    for (std::uint64_t hits = 1 + random.bits() % 3; hits > 0; --hits) {
+      const std::size_t at = random.bits() % text.size();
+      if (random.bits() % 2 == 0) {
+        text[at] = static_cast<char>(random.bits() % 128);
+      } else {
+        text.erase(at, random.bits() % 20);
+      }
+    }
+    const auto file = folder.write("case.toml", text);
+    try {
+      EXPECT_GT(read_case(file).runs.size(), 0U);
+    } catch (const ConfigError& error) {
+      const std::string message = error.what();
+      EXPECT_TRUE(message.starts_with(folder.path().string())) << message;
+      EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    }
+  }
+}
+
 TEST(CaseFolder, NamesAFolderWithoutACase) {
   const TemporaryFolder folder;
   EXPECT_THROW(static_cast<void>(read_case(folder.path())), ConfigError);
