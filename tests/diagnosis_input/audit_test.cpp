@@ -17,77 +17,8 @@
 namespace teleop {
 namespace {
 
+using testing::complaints;
 using testing::made_case;
-
-/// Findings worse than notes, a line each.
-std::string complaints(const Audit& found) {
-  std::string lines;
-  for (const Finding& finding : found.findings) {
-    if (finding.severity == Severity::note) continue;
-    lines += std::string{name_of(finding.severity)} + " " + finding.kind + ": " + line_of(finding) +
-             '\n';
-  }
-  return lines;
-}
-
-TEST(Audit, IsSilentOnSoundRuns) {
-  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    EXPECT_EQ(complaints(audit(made_case(testing::ideal_plant(), seed))), "") << seed;
-  }
-}
-
-TEST(Audit, IsSilentOnSlowRunsAndOnRunsThatBeginAtRest) {
-  testing::Motion slow{.fastest_Hz = 0.5, .amplitude_rad = 0.1};
-  EXPECT_EQ(complaints(audit(made_case(testing::ideal_plant(), 11, slow))), "");
-}
-
-/// An effect that a diagnosis is for must not pass for a fault of the recording.
-TEST(Audit, TakesNoMissingPhysicsForAFaultOfTheRecording) {
-  const std::vector<EffectSpec> effects{
-      {.kind = "coulomb_friction", .axis = 1, .parameters = {{"level", 0.02}}},
-      {.kind = "viscous_friction", .axis = 2, .parameters = {{"coefficient", 0.05}}},
-      {.kind = "torque_gain", .axis = 0, .parameters = {{"gain", 0.7}}},
-      {.kind = "torque_saturation", .axis = 2, .parameters = {{"limit", 0.03}}},
-      {.kind = "torque_deadzone", .axis = 1, .parameters = {{"threshold", 0.004}}},
-      {.kind = "actuation_delay", .axis = 0, .parameters = {{"delay", 0.003}}},
-      {.kind = "backlash", .axis = 2, .parameters = {{"gap", 0.004}}},
-      {.kind = "transmission_compliance",
-       .axis = 1,
-       .parameters = {{"stiffness", 3.0}, {"damping", 0.004}}},
-      {.kind = "cable_spring", .axis = 0, .parameters = {{"stiffness", 0.5}, {"rest_angle", 0.1}}},
-      {.kind = "axis_coupling", .axis = 0, .parameters = {{"fraction", 0.2}, {"from_axis", 2.0}}},
-      {.kind = "payload", .parameters = {{"mass", 0.05}}},
-      {.kind = "added_inertia", .axis = 2, .parameters = {{"inertia", 0.001}}},
-      {.kind = "encoder_scale", .axis = 1, .parameters = {{"scale", 1.1}}},
-      {.kind = "time_base", .parameters = {{"ratio", 1.05}}},
-      {.kind = "contact",
-       .axis = 1,
-       .parameters = {{"location", 0.45}, {"stiffness", 5.0}, {"damping", 0.01}, {"side", 1.0}}},
-      {.kind = "hand_impedance",
-       .parameters = {{"stiffness", 200.0}, {"damping", 3.0}, {"mass", 0.1}}},
-  };
-  std::uint64_t seed = 20;
-  for (const EffectSpec& effect : effects) {
-    PlantSpec plant = testing::ideal_plant();
-    plant.effects.push_back(effect);
-    EXPECT_EQ(complaints(audit(made_case(plant, seed += 2))), "") << effect.kind;
-  }
-}
-
-TEST(Audit, IsSilentOnTheChallenge) {
-  if (!std::filesystem::exists(testing::shared("challenge"))) {
-    GTEST_SKIP() << "the challenge is not here";
-  }
-  std::size_t cases = 0;
-  for (const char* set : {"challenge/practice", "challenge/sealed"}) {
-    for (const auto& entry : std::filesystem::directory_iterator{testing::shared(set)}) {
-      if (!entry.is_directory()) continue;
-      EXPECT_EQ(complaints(audit(read_case(entry.path()))), "") << entry.path();
-      ++cases;
-    }
-  }
-  EXPECT_EQ(cases, 36U);
-}
 
 // --- planted faults, in the second run of a sound case
 

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "core/diagnosis/audit.hpp"
 #include "core/diagnosis/recording.hpp"
 #include "core/math/random.hpp"
 #include "core/model/dynamics.hpp"
@@ -106,6 +107,17 @@ inline std::string csv_of(const Recording& run) {
 
 inline std::filesystem::path shared(const std::string& name) {
   return std::filesystem::path{TELEOP_SOURCE_DIR} / ".." / "shared" / name;
+}
+
+/// Findings worse than notes, a line each.
+inline std::string complaints(const Audit& found) {
+  std::string lines;
+  for (const Finding& finding : found.findings) {
+    if (finding.severity == Severity::note) continue;
+    lines += std::string{name_of(finding.severity)} + " " + finding.kind + ": " + line_of(finding) +
+             '\n';
+  }
+  return lines;
 }
 
 }  // namespace teleop::testing
