@@ -93,6 +93,19 @@ inline DiagnosisCase made_case(const PlantSpec& plant,
 /// The plant without anything left out.
 inline PlantSpec ideal_plant() { return load_plant("phantom-1.5-bare"); }
 
+/// A case of one run, run-01.csv.
+inline constexpr const char* kArmCase = R"(
+case = "bench-7"
+plant = "phantom-1.5"
+sample_rate_Hz = 1000
+torque_convention = "zero-order hold"
+encoder_counts_per_joint_revolution = [54476.8, 45875.2, 45875.2]
+torque_command_step_Nm = 0.00001
+[[run]]
+file = "run-01.csv"
+excitation = "by hand"
+)";
+
 /// A run as the CSV file of a case folder.
 inline std::string csv_of(const Recording& run) {
   std::string text = "t_s,tau1_Nm,tau2_Nm,tau3_Nm,q1_rad,q2_rad,q3_rad\n";
