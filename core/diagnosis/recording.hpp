@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,6 +21,14 @@ struct Recording {
   std::vector<JointVector> q{};        ///< readings, rad or m
   std::vector<JointVector> contact{};  ///< forces that the axes exert, as measured; empty: none
 
+  // Where it comes from, for messages and the audit.
+  std::string file{};         ///< path of the file
+  std::size_t first_row = 1;  ///< of that file: the line, or the record of a log, of row 0
+  std::vector<double> t_s{};  ///< time stamps as they were written, one a row; or none
+  std::vector<JointVector> measured{};         ///< torques by the measured currents; empty: none
+  std::vector<std::string> notes{};            ///< what reading it has to tell, a line each
+  std::map<std::string, std::string> about{};  ///< what a log says of itself: "config", "role" …
+
   [[nodiscard]] std::size_t rows() const noexcept { return q.size(); }
 };
 
@@ -31,7 +40,10 @@ struct BenchAxis {
   double inertia_tolerance = 0.005;  ///< standard deviation as a share of it
   bool pendulum = false;
   std::optional<double> moment{};  ///< N m, of a pendulum; none: free
+  std::string position_column{};
+  std::string motor_column{};      ///< several, which are added up: "u1_V + u2_V"
   bool free_gain = false;          ///< of its motor input: the first gain given is a start
+  double gain_tolerance = 0.0;     ///< standard deviation of the motor input's gain, 0: exact
   std::string contact_column{};    ///< of its measured contact force; empty: none
   double contact_tolerance = 0.0;  ///< standard deviation of that column's gain, 0: exact
 };
@@ -43,6 +55,7 @@ struct DiagnosisCase {
   std::string plant = "phantom-1.5";             ///< name of the arm, or "rigid-axes"
   std::vector<BenchAxis> bench{};                ///< of "rigid-axes": at most three
   double period_s = 1e-3;                        ///< as stated
+  double command_step = 0.0;                     ///< of the commands, N m; 0: not known
   JointVector resolution = JointVector::Zero();  ///< of the readings, rad or m; 0: not known
   std::vector<Recording> runs{};
 

@@ -1,118 +1,18 @@
 #include "core/effects/hand_trace.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
-#include <memory>
-#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "core/base/csv_table.hpp"
 #include "core/base/error.hpp"
 #include "core/effects/text_file.hpp"
 #include "core/model/kinematics.hpp"
 
 namespace teleop {
 namespace {
-
-std::vector<std::string_view> cells_of(std::string_view line) {
-  std::vector<std::string_view> cells;
-  while (true) {
-    const std::size_t comma = line.find(',');
-    std::string_view cell = line.substr(0, comma);
-    while (!cell.empty() && cell.front() == ' ') {
-      cell.remove_prefix(1);
-    }
-    while (!cell.empty() && cell.back() == ' ') {
-      cell.remove_suffix(1);
-    }
-    cells.push_back(cell);
-    if (comma == std::string_view::npos) return cells;
-    line.remove_prefix(comma + 1);
-  }
-}
-
-std::optional<double> finite_number(std::string_view cell) {
-  double value = 0.0;
-  const char* const begin = std::to_address(cell.begin());
-  const char* const end = begin + cell.size();
-  const auto [stopped, error] = std::from_chars(begin, end, value);
-  if (error != std::errc{} || stopped != end || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
-/// Lines without their ends; rows count from 1 as editors do.
-class Lines {
- public:
-  explicit Lines(std::string_view text) : rest_{text} {}
-
-  [[nodiscard]] std::optional<std::string_view> next() {
-    if (rest_.empty()) return std::nullopt;
-    const std::size_t end = std::min(rest_.find('\n'), rest_.size());
-    std::string_view line = rest_.substr(0, end);
-    rest_.remove_prefix(std::min(end + 1, rest_.size()));
-    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    ++row_;
-    return line;
-  }
-  [[nodiscard]] std::size_t row() const { return row_; }
-
- private:
-  std::string_view rest_;
-  std::size_t row_ = 0;
-};
-
-/// Which cells of a row are wanted, by their names in the header.
-struct Columns {
-  HandTrace::Column kind = HandTrace::Column::yaw_angle;
-  std::size_t number = 0;  ///< of the header
-  std::vector<std::size_t> wanted{};
-  std::vector<std::string_view> names{};
-};
-
-Columns columns_of(std::string_view header, const std::string& file) {
-  const auto cells = cells_of(header);
-  Columns columns{.number = cells.size()};
-  const bool angle = std::find(cells.begin(), cells.end(), "q_rad") != cells.end();
-  columns.kind = angle ? HandTrace::Column::yaw_angle : HandTrace::Column::position;
-  columns.names = angle ? std::vector<std::string_view>{"t_s", "q_rad"}
-                        : std::vector<std::string_view>{"t_s", "x_m", "y_m", "z_m"};
-  for (const std::string_view name : columns.names) {
-    const auto found = std::find(cells.begin(), cells.end(), name);
-    if (found == cells.end()) {
-      throw ConfigError{fmt::format(
-          "{}:1: column {} is missing; a trace has t_s,q_rad or t_s,x_m,y_m,z_m", file, name)};
-    }
-    columns.wanted.push_back(static_cast<std::size_t>(found - cells.begin()));
-  }
-  return columns;
-}
-
-void add_row(const Columns& columns,
-             const std::vector<std::string_view>& cells,
-             const std::string& place,
-             HandTrace& trace) {
-  if (cells.size() != columns.number) {
-    throw ConfigError{
-        fmt::format("{}: {} cells, the header has {}", place, cells.size(), columns.number)};
-  }
-  std::array<double, 4> numbers{};
-  for (std::size_t i = 0; i < columns.wanted.size(); ++i) {
-    const auto value = finite_number(cells[columns.wanted[i]]);
-    if (!value) {
-      throw ConfigError{fmt::format("{}: {} = '{}': not a finite number", place, columns.names[i],
-                                    cells[columns.wanted[i]])};
-    }
-    numbers.at(i) = *value;
-  }
-  if (!trace.t_s.empty() && numbers[0] <= trace.t_s.back()) {
-    throw ConfigError{fmt::format("{}: t_s = {} after {}: time must increase", place, numbers[0],
-                                  trace.t_s.back())};
-  }
-  trace.t_s.push_back(numbers[0]);
-  trace.values.emplace_back(numbers[1], numbers[2], numbers[3]);
-}
 
 /// Bends the end of the trace to its beginning, at no more than kClosingSpeed on average.
 void close(HandTrace& trace, double metres_per_unit) {
@@ -162,18 +62,32 @@ HandKnot at_tool(const HandKnot& value, HandTrace::Column column, const ArmModel
 }  // namespace
 
 HandTrace parse_hand_trace(std::string_view csv, const std::string& file) {
-  Lines lines{csv};
-  const auto header = lines.next();
-  if (!header) throw ConfigError{fmt::format("{}: is empty", file)};
-  const Columns columns = columns_of(*header, file);
-  HandTrace trace{.column = columns.kind};
-  while (const auto line = lines.next()) {
-    if (line->empty() && !trace.t_s.empty()) continue;  // a last blank line is nobody's mistake
-    add_row(columns, cells_of(*line), fmt::format("{}:{}", file, lines.row()), trace);
+  const std::vector<std::string> names = csv_names(csv);
+  const bool angle = std::find(names.begin(), names.end(), "q_rad") != names.end();
+  const std::vector<std::string> wanted =
+      angle ? std::vector<std::string>{"t_s", "q_rad"}
+            : std::vector<std::string>{"t_s", "x_m", "y_m", "z_m"};
+  for (const std::string& name : wanted) {
+    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+    throw ConfigError{fmt::format(
+        "{}:1: column {} is missing; a trace has t_s,q_rad or t_s,x_m,y_m,z_m", file, name)};
   }
-  if (trace.t_s.size() < 2) {
-    throw ConfigError{
-        fmt::format("{}:{}: a trace needs at least two rows of numbers", file, lines.row())};
+  CsvTable table = parse_csv(csv, file, wanted);
+  const std::size_t rows = table.rows();
+  HandTrace trace{.column = angle ? HandTrace::Column::yaw_angle : HandTrace::Column::position};
+  trace.t_s = std::move(table.columns[0]);
+  trace.values.assign(rows, Vector3::Zero());
+  for (std::size_t k = 0; k < rows; ++k) {
+    for (std::size_t i = 1; i < wanted.size(); ++i) {
+      trace.values[k][static_cast<Eigen::Index>(i - 1)] = table.columns[i][k];
+    }
+    if (k == 0 || trace.t_s[k] > trace.t_s[k - 1]) continue;
+    throw ConfigError{fmt::format("{}:{}: t_s = {} after {}: time must increase", file,
+                                  CsvTable::kFirstRow + k, trace.t_s[k], trace.t_s[k - 1])};
+  }
+  if (rows < 2) {
+    throw ConfigError{fmt::format("{}:{}: a trace needs at least two rows of numbers", file,
+                                  CsvTable::kFirstRow + rows - 1)};
   }
   return trace;
 }

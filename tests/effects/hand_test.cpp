@@ -71,17 +71,17 @@ HandTrace sine_trace(double step, double length) {
 }
 
 TEST(HandTrace, NamesTheRowOfEveryMistake) {
-  expect_in("hand.csv: is empty", message_of(""));
+  expect_in("hand.csv:1: column t_s is missing", message_of(""));
   expect_in("hand.csv:1: column t_s is missing", message_of("q_rad\n0\n"));
   expect_in("hand.csv:1: column z_m is missing", message_of("t_s,x_m,y_m\n0,0,0\n"));
-  expect_in("two rows", message_of("t_s,q_rad\n"));
+  expect_in("hand.csv:1: is empty", message_of("t_s,q_rad\n"));
   expect_in("two rows", message_of("t_s,q_rad\n0,0\n"));
   expect_in("hand.csv:3: q_rad = 'nan'", message_of("t_s,q_rad\n0,0\n1,nan\n"));
   expect_in("hand.csv:3: q_rad = 'inf'", message_of("t_s,q_rad\n0,0\n1,inf\n"));
   expect_in("hand.csv:3: q_rad = ''", message_of("t_s,q_rad\n0,0\n1,\n"));
   expect_in("hand.csv:2: t_s = '0x'", message_of("t_s,q_rad\n0x,0\n1,0\n"));
   expect_in("hand.csv:4: t_s = 1 after 1", message_of("t_s,q_rad\n0,0\n1,0\n1,0\n"));
-  expect_in("hand.csv:3: 1 cells, the header has 2", message_of("t_s,q_rad\n0,0\n1\n"));
+  expect_in("hand.csv:3: 1 cells, the head line names 2", message_of("t_s,q_rad\n0,0\n1\n"));
   EXPECT_THROW([[maybe_unused]] const auto t = read_hand_trace("/no/such/trace.csv"), ConfigError);
 }
 
