@@ -34,8 +34,7 @@ JointVector mean_inertia(const Device& device, const Run& run) {
           body.M22, body.M33};
 }
 
-std::array<TetherGain, kJoints> gains(const Device& device, const Run& run) {
-  const JointVector inertia = mean_inertia(device, run);
+std::array<TetherGain, kJoints> gains(const Device& device, const JointVector& inertia) {
   const JointVector count = count_rad(device.nominal);
   const Disturbance& noise = device.disturbance;
   std::array<TetherGain, kJoints> result{};
@@ -86,9 +85,15 @@ JointVector innovations(const Device& device,
                         int substeps) {
   const Run& run = *judged.run;
   const RunPlan& plan = device.runs[judged.index];
-  const std::array<TetherGain, kJoints> gain = gains(device, run);
+  const std::array<TetherGain, kJoints> whole = gains(device, mean_inertia(device, run));
   const PlantLaw law = true_model ? law_of(device, judged.index)
                                   : plant_law(device.arm, {}, 0);
+  JointVector rotors = JointVector::Ones();
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const TransmissionLaw& transmission = law.axes.at(i).transmission;
+    if (transmission.play) rotors[static_cast<Eigen::Index>(i)] = transmission.rotor;
+  }
+  const std::array<TetherGain, kJoints> loose = gains(device, rotors);
   const JointVector count = count_rad(device.nominal);
   const JointVector start = true_model ? plan.q : readings(run, 0, count);
   Plant plant{law, start, plan.v, substeps};
@@ -102,7 +107,7 @@ JointVector innovations(const Device& device,
     for (std::size_t i = 0; i < kJoints; ++i) {
       const auto axis = static_cast<Eigen::Index>(i);
       e[axis] -= count[axis] * slipped_counts(law.axes.at(i).reading, plant.time());
-      const TetherGain& g = gain.at(i);
+      const TetherGain& g = plant.open(i) ? loose.at(i) : whole.at(i);
       by_q[axis] = g.q * e[axis];
       by_v[axis] = g.v * e[axis];
       d[axis] += g.d * e[axis];
@@ -113,7 +118,7 @@ JointVector innovations(const Device& device,
     plant.advance_half(d);
     plant.advance_half(d);
     for (std::size_t i = 0; i < kJoints; ++i) {
-      d[static_cast<Eigen::Index>(i)] *= gain.at(i).forgotten;
+      d[static_cast<Eigen::Index>(i)] *= whole.at(i).forgotten;
     }
   }
   return (squares / static_cast<double>(run.counts.size() - kSettled)).cwiseSqrt();

@@ -326,10 +326,18 @@ JointVector Plant::reading(double late) const {
 }
 
 void Plant::correct(const JointVector& by_q, const JointVector& by_v) {
-  now_.q += by_q;
   now_.m += by_q;
-  now_.v += by_v;
   now_.w += by_v;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const auto k = at(i);
+    if (open(i)) {
+      const double half = law_.axes[i].transmission.gap / 2.0;
+      now_.q[k] = std::clamp(now_.q[k], now_.m[k] - half, now_.m[k] + half);
+    } else {
+      now_.q[k] += by_q[k];
+      now_.v[k] += by_v[k];
+    }
+  }
   absorber_ += by_q;
   absorber_rate_ += by_v;
   for (JointVector& m : history_) {

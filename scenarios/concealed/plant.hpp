@@ -53,8 +53,13 @@ class Plant {
   /// Readings taken `late` s ago, before noise, slips and rounding.
   [[nodiscard]] JointVector reading(double late = 0.0) const;
 
-  /// Shifts angles and velocities, as an observer does.
+  /// Shifts angles and velocities, as an observer does. Where a play is open only the drive is
+  /// shifted, and takes the link along from the end of the play on.
   void correct(const JointVector& by_q, const JointVector& by_v);
+  /// The play of an axis was open at the last step.
+  [[nodiscard]] bool open(std::size_t axis) const noexcept {
+    return law_.axes[axis].transmission.play && closed_[axis] == 0;
+  }
 
   [[nodiscard]] const Motion& motion() const noexcept { return now_; }
   [[nodiscard]] const Moment& last() const noexcept { return last_; }
