@@ -71,12 +71,12 @@ struct Plant::Body {
   [[nodiscard]] double energy(const PlantLaw& law,
                               const JointVector& q,
                               const JointVector& v) const noexcept {
-    const double kinetic = (M11 * v[0] * v[0] + M22 * v[1] * v[1] + M33 * v[2] * v[2]) / 2.0 +
-                           M23 * v[1] * v[2];
+    const double kinetic =
+        (M11 * v[0] * v[0] + M22 * v[1] * v[1] + M33 * v[2] * v[2]) / 2.0 + M23 * v[1] * v[2];
     const double forward = law.body.N2 * c2 + law.body.N3 * s3;
     const double height = law.body.N2 * s2 - law.body.N3 * c3;
-    return kinetic + law.up.dot(JointVector{std::sin(q[0]) * forward, height,
-                                            std::cos(q[0]) * forward});
+    return kinetic +
+           law.up.dot(JointVector{std::sin(q[0]) * forward, height, std::cos(q[0]) * forward});
   }
 };
 

@@ -65,7 +65,11 @@ std::vector<Movement> draw_movements(Random& random) {
                      Movement::chirp,   Movement::hand,   Movement::reaching};
   shuffle(others, random);
   std::vector movements{random.uniform() < 0.5 ? Movement::multisine : Movement::chirp,
-                        Movement::reaching, Movement::sweeps, Movement::hand, others[0], others[1]};
+                        Movement::reaching,
+                        Movement::sweeps,
+                        Movement::hand,
+                        others[0],
+                        others[1]};
   shuffle(movements, random);
   return movements;
 }
@@ -101,8 +105,8 @@ Device draw_device(const ArmModel& nominal, const DeviceWish& wish, Random& rand
   for (std::size_t k = 0; k < kRuns; ++k) {
     RunPlan& plan = device.runs.at(k);
     const Movement movement = movements[k % movements.size()];
-    plan.excitation = draw_excitation(
-        {.movement = movement, .size = wish.motion, .inertia = inertia}, random);
+    plan.excitation =
+        draw_excitation({.movement = movement, .size = wish.motion, .inertia = inertia}, random);
     const bool soft = movement == Movement::multisine || movement == Movement::chirp ||
                       movement == Movement::pulses;
     for (std::size_t i = 0; i < kJoints; ++i) {

@@ -9,13 +9,13 @@ namespace teleop::concealed {
 
 /// How a device and its runs shall differ from the usual.
 struct DeviceWish {
-  double white = 1.0;         ///< of the disturbance's usual level
+  double white = 1.0;  ///< of the disturbance's usual level
   double coloured = 1.0;
-  double narrow_Nm = 0.0;     ///< RMS of a narrow-band disturbance on one axis
-  bool encoder_noise = false; ///< for certain, near one count
-  bool inertia_edge = false;  ///< every inertia at an end of its tolerance
-  double loop_gain = 1.0;     ///< of the controllers' bandwidth
-  double motion = 1.0;        ///< size of the movements
+  double narrow_Nm = 0.0;      ///< RMS of a narrow-band disturbance on one axis
+  bool encoder_noise = false;  ///< for certain, near one count
+  bool inertia_edge = false;   ///< every inertia at an end of its tolerance
+  double loop_gain = 1.0;      ///< of the controllers' bandwidth
+  double motion = 1.0;         ///< size of the movements
   int substeps = 40;
   std::vector<Movement> movements{};  ///< of the six runs; empty: drawn
 };

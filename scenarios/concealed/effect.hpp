@@ -10,8 +10,8 @@
 
 namespace teleop::concealed {
 
-/// One thing that a concealed device does and its nominal model does not. The kinds are those of the
-/// answer format and, with names that begin with `oov_`, devices that no kind describes.
+/// One thing that a concealed device does and its nominal model does not. The kinds are those of
+/// the answer format and, with names that begin with `oov_`, devices that no kind describes.
 struct Effect {
   std::string kind{};
   std::optional<std::size_t> axis{};  ///< 0 to 2; none: the whole arm. 1 to 3 in files

@@ -10,12 +10,15 @@
 
 namespace teleop::concealed {
 
-/// A kind with everything drawn but its size: which is found by search. Size 1 is a usual one, larger
-/// is more visible.
+/// A kind with everything drawn but its size: which is found by search. Size 1 is a usual one,
+/// larger is more visible.
 class Sized {
  public:
   /// @param axis none: drawn where the kind has one.
-  Sized(std::string_view kind, std::optional<std::size_t> axis, const ArmModel& arm, Random& random);
+  Sized(std::string_view kind,
+        std::optional<std::size_t> axis,
+        const ArmModel& arm,
+        Random& random);
 
   [[nodiscard]] Effect at(double size) const;
   /// Sizes beyond make no device that one would still drive.

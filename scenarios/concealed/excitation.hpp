@@ -11,8 +11,8 @@
 
 namespace teleop::concealed {
 
-inline constexpr std::size_t kRows = 8000;      ///< of a run
-inline constexpr double kStatedPeriod = 1e-3;   ///< s
+inline constexpr std::size_t kRows = 8000;     ///< of a run
+inline constexpr double kStatedPeriod = 1e-3;  ///< s
 
 /// What one run asks of the arm: a path to follow and torques on top, at every sample.
 struct Excitation {
@@ -37,8 +37,8 @@ inline constexpr std::size_t kMovements = 8;
 
 struct ExcitationWish {
   Movement movement = Movement::reaching;
-  double size = 1.0;         ///< of path and torques, 1: as drawn
-  JointVector inertia{};     ///< of the axes, kg m²: scales the torques
+  double size = 1.0;      ///< of path and torques, 1: as drawn
+  JointVector inertia{};  ///< of the axes, kg m²: scales the torques
 };
 
 /// Paths stay within about 0.45 rad of the middle of the workspace, (0, 0.40, 0.25).

@@ -86,8 +86,7 @@ JointVector innovations(const Device& device,
   const Run& run = *judged.run;
   const RunPlan& plan = device.runs[judged.index];
   const std::array<TetherGain, kJoints> whole = gains(device, mean_inertia(device, run));
-  const PlantLaw law = true_model ? law_of(device, judged.index)
-                                  : plant_law(device.arm, {}, 0);
+  const PlantLaw law = true_model ? law_of(device, judged.index) : plant_law(device.arm, {}, 0);
   JointVector rotors = JointVector::Ones();
   for (std::size_t i = 0; i < kJoints; ++i) {
     const TransmissionLaw& transmission = law.axes.at(i).transmission;

@@ -225,8 +225,7 @@ double FrictionLaw::smooth(double speed) const noexcept {
 }
 
 PlantLaw plant_law(const ArmModel& arm, std::span<const Effect> effects, std::uint64_t run_seed) {
-  PlantLaw law{
-      .body = arm.lumped(), .l1_m = arm.parameters().l1_m, .l2_m = arm.parameters().l2_m};
+  PlantLaw law{.body = arm.lumped(), .l1_m = arm.parameters().l1_m, .l2_m = arm.parameters().l2_m};
   Random random{run_seed};
   for (const Effect& effect : effects) {
     if (add_arm_effect(law, effect, arm.parameters().gravity_m_per_s2)) continue;

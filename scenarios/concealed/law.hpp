@@ -56,13 +56,13 @@ struct FrictionLaw {
   double stribeck_velocity = 1.0;
   double dahl_level = 0.0;
   double dahl_stiffness = 0.0;
-  double drag = 0.0;            ///< stranger: −drag |ṁ| ṁ
-  double growth = 0.0;          ///< stranger: Coulomb level that grows, N m/s
-  double patch_level = 0.0;     ///< stranger: Coulomb level between two angles
-  double patch_low = 0.0;       ///< rad
-  double patch_high = 0.0;      ///< rad
-  double patch_direction = 0.0; ///< +1, −1: only against this direction; 0: both
-  double catch_level = 0.0;     ///< stranger: Coulomb level within windows of time
+  double drag = 0.0;             ///< stranger: −drag |ṁ| ṁ
+  double growth = 0.0;           ///< stranger: Coulomb level that grows, N m/s
+  double patch_level = 0.0;      ///< stranger: Coulomb level between two angles
+  double patch_low = 0.0;        ///< rad
+  double patch_high = 0.0;       ///< rad
+  double patch_direction = 0.0;  ///< +1, −1: only against this direction; 0: both
+  double catch_level = 0.0;      ///< stranger: Coulomb level within windows of time
   std::vector<Window> catches{};
 
   [[nodiscard]] bool dry() const noexcept;
@@ -109,9 +109,9 @@ struct ReadingLaw {
   double scale = 1.0;
   Wave eccentricity{};  ///< over the drive's angle
   double delay = 0.0;
-  double jitter = 0.0;       ///< stranger: s, RMS of the lateness of a stamp under load
-  double jitter_from = 0.0;  ///< N m of command on any axis
-  double slip_counts = 0.0;  ///< stranger: size of a slip
+  double jitter = 0.0;          ///< stranger: s, RMS of the lateness of a stamp under load
+  double jitter_from = 0.0;     ///< N m of command on any axis
+  double slip_counts = 0.0;     ///< stranger: size of a slip
   std::vector<double> slips{};  ///< when, s
 };
 

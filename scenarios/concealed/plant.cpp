@@ -125,8 +125,8 @@ JointVector Plant::hand_torque(const Motion& middle) const noexcept {
   J << c1 * r, -law_.l1_m * s1 * s2, law_.l2_m * s1 * c3,  //
       0.0, law_.l1_m * c2, law_.l2_m * s3,                 //
       -s1 * r, -law_.l1_m * c1 * s2, law_.l2_m * c1 * c3;
-  const JointVector force = -law_.hand_stiffness * (tip(law_, q) - hand_point_) -
-                            law_.hand_damping * (J * middle.v);
+  const JointVector force =
+      -law_.hand_stiffness * (tip(law_, q) - hand_point_) - law_.hand_damping * (J * middle.v);
   return J.transpose() * force;
 }
 
@@ -186,8 +186,7 @@ bool Plant::project_play(const Body& body, std::size_t i, Motion& end) noexcept 
   const double per_rotor = 1.0 / law_.axes[i].transmission.rotor;
   const double side = closed_[i];
   const double mobility = per_rotor + column[k];
-  const double impulse =
-      std::max(0.0, play_impulse_[k] + side * (end.w[k] - end.v[k]) / mobility);
+  const double impulse = std::max(0.0, play_impulse_[k] + side * (end.w[k] - end.v[k]) / mobility);
   const double change = impulse - play_impulse_[k];
   play_impulse_[k] = impulse;
   end.v += side * change * column;
@@ -209,8 +208,7 @@ void Plant::project(const Body& body, const Motion& middle, Motion& end) {
     closed_[i] = 0;
     const TransmissionLaw& transmission = law_.axes[i].transmission;
     if (!transmission.play) continue;
-    const double opening =
-        middle.m[k] - middle.q[k] + h_ / 2.0 * (end.w[k] - end.v[k]);
+    const double opening = middle.m[k] - middle.q[k] + h_ / 2.0 * (end.w[k] - end.v[k]);
     if (std::abs(opening) >= transmission.gap / 2.0) closed_[i] = opening > 0.0 ? 1 : -1;
   }
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -271,9 +269,9 @@ void Plant::arrive(const Motion& middle, Motion& end, bool impact) noexcept {
 
 void Plant::step(const JointVector& disturbance) {
   const Motion middle{.q = now_.q + h_ / 2.0 * now_.v,
-                .v = now_.v + h_ / 2.0 * link_rate_,
-                .m = now_.m + h_ / 2.0 * now_.w,
-                .w = now_.w + h_ / 2.0 * drive_rate_};
+                      .v = now_.v + h_ / 2.0 * link_rate_,
+                      .m = now_.m + h_ / 2.0 * now_.w,
+                      .w = now_.w + h_ / 2.0 * drive_rate_};
   drive_torques(middle, disturbance);
   const Body body{law_, middle.q};
   const JointVector link = body.solve(link_torques(body, middle));

@@ -9,11 +9,13 @@
 
 namespace teleop::concealed {
 
-/// The concealed device in motion, by Moreau's time stepping [Moreau 1988]: with a fixed short step h
+/// The concealed device in motion, by Moreau's time stepping [Moreau 1988]: with a fixed short step
+/// h
 ///
 ///     q½ = q + h/2 q̇,   q̇⁺ = q̇ + M(q½)⁻¹ (h F(q½, q̇½) + p),   q⁺ = q½ + h/2 q̇⁺,
 ///
-/// q̇½ extrapolated from the step before. Dry friction and play are set-valued: their impulses p solve
+/// q̇½ extrapolated from the step before. Dry friction and play are set-valued: their impulses p
+/// solve
 ///
 ///     p ∈ −h [level] Sgn(ṁ⁺),     0 ≤ P ⊥ −s (ṁ⁺ − q̇⁺) ≥ 0 where the play is closed on side s
 ///
@@ -91,12 +93,12 @@ class Plant {
   JointVector hand_point_ = JointVector::Zero();
 
   Motion now_{};
-  JointVector link_rate_ = JointVector::Zero();   ///< accelerations for the extrapolation
+  JointVector link_rate_ = JointVector::Zero();  ///< accelerations for the extrapolation
   JointVector drive_rate_ = JointVector::Zero();
   JointVector command_ = JointVector::Zero();
-  JointVector bristle_ = JointVector::Zero();     ///< N m
-  JointVector loading_ = JointVector::Zero();     ///< −1 unloading, +1 moving up
-  JointVector absorber_ = JointVector::Zero();    ///< angle of the hung inertia
+  JointVector bristle_ = JointVector::Zero();   ///< N m
+  JointVector loading_ = JointVector::Zero();   ///< −1 unloading, +1 moving up
+  JointVector absorber_ = JointVector::Zero();  ///< angle of the hung inertia
   JointVector absorber_rate_ = JointVector::Zero();
   double t_ = 0.0;
 

@@ -178,7 +178,8 @@ Run simulate(const Device& device, std::size_t index, int substeps) {
     for (std::size_t i = 0; i < kJoints; ++i) {
       const double noise = device.disturbance.encoder_noise_counts * encoder.normal();
       const double slip = slipped_counts(law.axes[i].reading, plant.time());
-      counts[i] = static_cast<std::int32_t>(std::lround(exact[at(i)] / count[at(i)] + noise + slip));
+      counts[i] =
+          static_cast<std::int32_t>(std::lround(exact[at(i)] / count[at(i)] + noise + slip));
       y[at(i)] = counts[i] * count[at(i)];
     }
     u = controller.step(k, y);
@@ -188,8 +189,8 @@ Run simulate(const Device& device, std::size_t index, int substeps) {
     plant.command(u);
     plant.advance_half(shaking.next());
     plant.advance_half(shaking.next());
-    run.largest_departure = run.largest_departure.cwiseMax(
-        (plant.motion().q - middle_posture()).cwiseAbs());
+    run.largest_departure =
+        run.largest_departure.cwiseMax((plant.motion().q - middle_posture()).cwiseAbs());
     run.largest_speed = std::max(run.largest_speed, plant.motion().v.cwiseAbs().maxCoeff());
   }
   return run;

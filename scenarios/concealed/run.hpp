@@ -26,8 +26,9 @@ struct Disturbance {
   double encoder_noise_counts = 0.0;  ///< RMS
 };
 
-/// Position loop of one axis: u = k_p (r − y) + k_d (ṙ − v̂) + share · inertia r̈ + N(y) + extra, with
-/// v̂ the low-passed difference of readings. `friction_feed_forward` · tanh(ṙ / 0.05 rad/s) is added.
+/// Position loop of one axis: u = k_p (r − y) + k_d (ṙ − v̂) + share · inertia r̈ + N(y) + extra,
+/// with v̂ the low-passed difference of readings. `friction_feed_forward` · tanh(ṙ / 0.05 rad/s) is
+/// added.
 struct AxisController {
   double stiffness = 0.0;              ///< N m/rad
   double damping = 0.0;                ///< N m s/rad

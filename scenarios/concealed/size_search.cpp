@@ -75,8 +75,8 @@ Found search_size(Device device, const Sized& effect, double target) {
     const double step = std::pow(target / std::clamp(found, 1e-3 * target, 1e3 * target), 0.6);
     const double wanted = std::clamp(size * std::clamp(step, 0.1, 8.0), 1e-3, effect.largest());
     const bool bracketed = low > 0.0 && high > 0.0;
-    const bool inside = bracketed && wanted > 1.05 * std::min(low, high) &&
-                        wanted < 0.95 * std::max(low, high);
+    const bool inside =
+        bracketed && wanted > 1.05 * std::min(low, high) && wanted < 0.95 * std::max(low, high);
     size = bracketed && !inside ? std::sqrt(low * high) : wanted;
   }
   return best;
