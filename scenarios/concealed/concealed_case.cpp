@@ -16,6 +16,7 @@ namespace {
 constexpr int kDraws = 6;
 constexpr int kCorrections = 4;
 constexpr int kJudgeSteps = 8;
+constexpr double kStillADevice = 4.0;  // beyond this detectability the loop rattles
 
 void record(ConcealedCase& drawn) {
   drawn.runs.clear();
@@ -55,7 +56,7 @@ bool make(ConcealedCase& drawn, const Recipe& recipe) {
     complete(drawn.slot, drawn.device);
     record(drawn);
     const bool hit = !recipe.band_matters || drawn.band == drawn.slot.band;
-    if (inside(drawn) && hit) return true;
+    if (inside(drawn) && hit && drawn.dnr < kStillADevice) return true;
     if (!recipe.band_matters || !inside(drawn)) return false;
     // Three runs searched, six judged: the size moves a little.
     const double ratio = recipe.searched.front().target / std::max(drawn.dnr, 1e-4);

@@ -49,7 +49,7 @@ constexpr std::array<Rule, 38> kRules{{
     {"base_tilt", Scaling::linear, {"tilt_x", "tilt_z"}, 8.0},
     {"added_inertia", Scaling::linear, {"inertia"}, 20.0},
     {"encoder_scale", Scaling::departure, {"scale"}, 6.0},
-    {"encoder_eccentricity", Scaling::linear, {"amplitude"}, 20.0},
+    {"encoder_eccentricity", Scaling::linear, {"amplitude"}, 15.0},
     {"sensor_delay", Scaling::linear, {"delay"}, 12.0},
     {"time_base", Scaling::departure, {"ratio"}, 10.0},
     {"contact", Scaling::linear, {"stiffness", "damping"}, 40.0},
@@ -199,7 +199,7 @@ Parameters drawn_reading(std::string_view kind, std::size_t i, const ArmModel& a
   if (kind == "encoder_scale") return {{"scale", 1.0 + 0.03 * either(r)}};
   if (kind == "encoder_eccentricity") {
     const double cycles = r.uniform() < 0.35 ? 1.0 : motor_ratio(arm, i);
-    return {{"amplitude", cycles == 1.0 ? 0.02 : 4e-4},
+    return {{"amplitude", cycles == 1.0 ? 6e-3 : 4e-4},
             {"phase", r.uniform(0.0, 2.0 * pi)},
             {"cycles_per_joint_rev", cycles}};
   }
@@ -235,8 +235,11 @@ Sized::Sized(std::string_view kind,
              Random& random)
     : largest_{rule_of(find_kind(kind).name).largest} {
   one_.kind = kind;
+  // Sizes shall not be multiples of the usual one.
+  const double usual = log_uniform(random, 0.7, 1.4);
   if (!find_kind(kind).per_axis) {
     one_.parameters = drawn_arm(kind, random);
+    one_ = at(usual);
     return;
   }
   const std::size_t i =
@@ -247,6 +250,7 @@ Sized::Sized(std::string_view kind,
         drawn_joint(kind, i, arm, random), drawn_reading(kind, i, arm, random)}) {
     if (!drawn.empty()) one_.parameters = drawn;
   }
+  one_ = at(usual);
 }
 
 Effect Sized::at(double size) const {

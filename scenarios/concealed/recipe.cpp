@@ -71,6 +71,7 @@ void below_one_count(Recipe& recipe, const Draw& draw) {
     effect.at("amplitude") = angle;
     effect.at("cycles_per_joint_rev") = draw.nominal.parameters().transmission_ratio.at(i);
   } else {
+    effect.at("level") = log_uniform(draw.random, 4e-4, 4e-3);
     effect.at("stiffness") = effect.at("level") / angle;
   }
   recipe.fixed.push_back(effect);
@@ -89,8 +90,9 @@ void gain_and_inertia(Recipe& recipe, const Draw& draw) {
   const double share = draw.random.uniform(0.04, 0.06);
   Effect gain = draw.sized("torque_gain", i).at(1.0);
   gain.at("gain") = 1.0 + share;
-  // The shape of this kind is 4 % of the axis's inertia.
-  recipe.fixed = {gain, draw.sized("added_inertia", i).at(share / 0.04)};
+  Effect inertia = draw.sized("added_inertia", i).at(1.0);
+  inertia.at("inertia") = share * (i == 1 ? draw.nominal.lumped().M22 : draw.nominal.lumped().M33);
+  recipe.fixed = {gain, inertia};
 }
 
 void heat_with_pauses(Recipe& recipe, const Draw& draw) {
