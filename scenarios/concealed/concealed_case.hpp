@@ -23,7 +23,8 @@ struct ConcealedCase {
 };
 
 /// @pre index < plan.cases
-/// @throws ConfigError when the nominal arm's file cannot be read.
+/// @throws ConfigError when the nominal arm's file cannot be read, or twenty draws give no device
+///         that its loop can hold and whose effect is in the wanted band.
 [[nodiscard]] ConcealedCase draw_case(const ConcealedPlan& plan, std::size_t index);
 
 /// `case.toml` and five recordings, as a diagnosis may see them, into `folder`/NAME.

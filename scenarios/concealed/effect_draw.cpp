@@ -43,7 +43,7 @@ constexpr std::array<Rule, 38> kRules{{
     {"stribeck_friction", Scaling::linear, {"coulomb", "static"}, 20.0},
     {"presliding_hysteresis", Scaling::linear, {"level", "stiffness"}, 20.0},
     {"backlash", Scaling::linear, {"gap"}, 30.0},
-    {"transmission_compliance", Scaling::inverse, {"stiffness"}, 12.0},
+    {"transmission_compliance", Scaling::inverse, {"stiffness"}, 3.0},
     {"cable_spring", Scaling::linear, {"stiffness"}, 20.0},
     {"payload", Scaling::linear, {"mass"}, 15.0},
     {"base_tilt", Scaling::linear, {"tilt_x", "tilt_z"}, 8.0},
@@ -159,7 +159,7 @@ Parameters drawn_joint(std::string_view kind, std::size_t i, const ArmModel& arm
     const double J = kRotor.at(i) * (M - kRotor.at(i)) / M;
     const double stiffness = 60.0 * M / 1e-3 * 0.5;
     return {{"stiffness", stiffness},
-            {"damping", 2.0 * r.uniform(0.02, 0.15) * std::sqrt(stiffness * J)}};
+            {"damping", 2.0 * r.uniform(0.1, 0.4) * std::sqrt(stiffness * J)}};
   }
   if (kind == "cable_spring") {
     return {{"stiffness", 0.015}, {"rest_angle", middle + r.uniform(-0.5, 0.5)}};
@@ -270,6 +270,10 @@ Effect Sized::at(double size) const {
         value = 1.0 + (value - 1.0) * size;
         break;
     }
+  }
+  // The damping ratio stays.
+  if (effect.kind == "transmission_compliance" || effect.kind == "oov_link_resonance") {
+    effect.at("damping") /= std::sqrt(size);
   }
   if (effect.kind == "oov_encoder_slips") {
     double& counts = effect.at("counts");

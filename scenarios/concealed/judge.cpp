@@ -131,6 +131,8 @@ double detectability(const Device& device, std::span<const JudgedRun> runs, int 
     with += innovations(device, run, true, substeps).cwiseAbs2();
     without += innovations(device, run, false, substeps).cwiseAbs2();
   }
+  // A tether that does not hold says nothing.
+  if (!with.allFinite() || !without.allFinite()) return HUGE_VAL;
   return without.cwiseQuotient(with).cwiseSqrt().maxCoeff() - 1.0;
 }
 

@@ -127,9 +127,11 @@ class CurrentLog {
 
 }  // namespace
 
-bool Run::inside_workspace() const noexcept {
-  return largest_departure[0] < 0.75 && largest_departure[1] < 0.65 && largest_departure[2] < 0.6 &&
-         largest_speed < 8.0;
+bool Run::usable(const Run& calm) const noexcept {
+  const JointVector farthest{0.75, 0.65, 0.6};
+  const JointVector roughest = 3.0 * calm.chatter + JointVector::Constant(1e-3);
+  return (largest_departure.array() < farthest.array()).all() && largest_speed < 8.0 &&
+         (chatter.array() < roughest.array()).all();
 }
 
 JointVector count_rad(const ArmModel& arm) {
@@ -182,7 +184,9 @@ Run simulate(const Device& device, std::size_t index, int substeps) {
           static_cast<std::int32_t>(std::lround(exact[at(i)] / count[at(i)] + noise + slip));
       y[at(i)] = counts[i] * count[at(i)];
     }
+    const JointVector before = u;
     u = controller.step(k, y);
+    if (k > 0) run.chatter += (u - before).cwiseAbs2() / static_cast<double>(kRows);
     run.counts.push_back(counts);
     run.applied.push_back(u);
     run.logged.push_back(log.entry(u));
@@ -193,6 +197,7 @@ Run simulate(const Device& device, std::size_t index, int substeps) {
         run.largest_departure.cwiseMax((plant.motion().q - middle_posture()).cwiseAbs());
     run.largest_speed = std::max(run.largest_speed, plant.motion().v.cwiseAbs().maxCoeff());
   }
+  run.chatter = run.chatter.cwiseSqrt();
   return run;
 }
 

@@ -64,8 +64,11 @@ struct Run {
   std::vector<double> late{};          ///< s; empty: no stamp is late
   JointVector largest_departure = JointVector::Zero();  ///< of links from the middle posture, rad
   double largest_speed = 0.0;                           ///< rad/s
+  JointVector chatter = JointVector::Zero();            ///< RMS of the commands' steps, N m
 
-  [[nodiscard]] bool inside_workspace() const noexcept;
+  /// Within the workspace, and no loop that the effects have made rattle: its commands step no more
+  /// than a few times as far as those of `calm`, the same run without effects.
+  [[nodiscard]] bool usable(const Run& calm) const noexcept;
 };
 
 /// The angle of one count, rad.

@@ -12,15 +12,25 @@ constexpr int kTrials = 9;
 constexpr double kNear = 1.2;  // ratio to the target that will do
 constexpr std::array<std::size_t, 3> kSearched{0, 2, 5};
 
-double judged(const Device& device) {
+std::vector<Run> calm_runs(Device device) {
+  device.effects.clear();
+  std::vector<Run> runs;
+  runs.reserve(kSearched.size());
+  for (const std::size_t index : kSearched) {
+    runs.push_back(simulate(device, index, kCoarse));
+  }
+  return runs;
+}
+
+double judged(const Device& device, const std::vector<Run>& calm) {
   std::vector<Run> runs;
   std::vector<JudgedRun> list;
   runs.reserve(kSearched.size());
   list.reserve(kSearched.size());
-  for (const std::size_t index : kSearched) {
-    runs.push_back(simulate(device, index, kCoarse));
-    if (!runs.back().inside_workspace()) return HUGE_VAL;
-    list.push_back({index, &runs.back()});
+  for (std::size_t k = 0; k < kSearched.size(); ++k) {
+    runs.push_back(simulate(device, kSearched.at(k), kCoarse));
+    if (!runs.back().usable(calm[k])) return HUGE_VAL;
+    list.push_back({kSearched.at(k), &runs.back()});
   }
   return detectability(device, list, kCoarse);
 }
@@ -55,6 +65,7 @@ double draw_target(Band band, Random& random) {
 }
 
 Found search_size(Device device, const Sized& effect, double target) {
+  const std::vector<Run> calm = calm_runs(device);
   double low = 0.0;
   double high = 0.0;
   double size = std::min(1.0, effect.largest());
@@ -64,7 +75,7 @@ Found search_size(Device device, const Sized& effect, double target) {
   };
   for (int trial = 0; trial < kTrials; ++trial) {
     device.effects = {effect.at(size)};
-    const double found = judged(device);
+    const double found = judged(device, calm);
     if (distance(found) <= distance(best.detectability)) {
       best = {.size = size, .detectability = found};
     }
