@@ -10,32 +10,25 @@
 
 namespace teleop::concealed {
 
-struct Seal::Digest {
-  EVP_MD_CTX* context = EVP_MD_CTX_new();
-};
+void Seal::Freed::operator()(evp_md_ctx_st* context) const noexcept { EVP_MD_CTX_free(context); }
 
-void Seal::Freed::operator()(Digest* digest) const noexcept {
-  EVP_MD_CTX_free(digest->context);
-  delete digest;
-}
-
-Seal::Seal() : digest_{new Digest} {
-  expects(digest_->context != nullptr &&
-              EVP_DigestInit_ex(digest_->context, EVP_sha256(), nullptr) == 1,
+Seal::Seal() : context_{EVP_MD_CTX_new()} {
+  expects(context_ != nullptr && EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) == 1,
           "the library has SHA-256");
 }
 
 void Seal::add(std::string_view truth) {
-  expects(EVP_DigestUpdate(digest_->context, truth.data(), truth.size()) == 1,
+  expects(EVP_DigestUpdate(context_.get(), truth.data(), truth.size()) == 1,
           "a seal is read once, at the end");
 }
 
 std::string Seal::digits() {
   std::array<unsigned char, EVP_MAX_MD_SIZE> bytes{};
   unsigned length = 0;
-  expects(EVP_DigestFinal_ex(digest_->context, bytes.data(), &length) == 1,
+  expects(EVP_DigestFinal_ex(context_.get(), bytes.data(), &length) == 1,
           "a seal is read once, at the end");
   std::string text;
+  text.reserve(2 * std::size_t{length});
   for (unsigned i = 0; i < length; ++i) {
     text += fmt::format("{:02x}", bytes.at(i));
   }

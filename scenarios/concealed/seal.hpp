@@ -6,6 +6,8 @@
 
 #include "scenarios/concealed/plan.hpp"
 
+struct evp_md_ctx_st;  // of OpenSSL
+
 namespace teleop::concealed {
 
 /// SHA-256 of a campaign's truth, case by case in order of index.
@@ -17,11 +19,10 @@ class Seal {
   [[nodiscard]] std::string digits();
 
  private:
-  struct Digest;
   struct Freed {
-    void operator()(Digest* digest) const noexcept;
+    void operator()(evp_md_ctx_st* context) const noexcept;
   };
-  std::unique_ptr<Digest, Freed> digest_;
+  std::unique_ptr<evp_md_ctx_st, Freed> context_;
 };
 
 /// The seal of the plan's shard, drawing every case of it: a second or less a case.

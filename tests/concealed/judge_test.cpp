@@ -91,7 +91,7 @@ TEST(Judge, IsHardlyMovedByItsStep) {
 TEST(SizeSearch, FindsTheSizeOfAWantedDetectability) {
   Random random{77};
   const Device device = draw_device(phantom(), {}, random);
-  for (const char* kind : {"torque_deadzone", "viscous_friction", "sensor_delay"}) {
+  for (const char* kind : {"torque_deadzone", "sensor_delay"}) {
     const Sized effect{kind, 2, phantom(), random};
     for (const double target : {0.01, 0.05, 0.4}) {
       const Found found = search_size(device, effect, target);

@@ -22,14 +22,6 @@ using testing::on;
 using testing::phantom;
 using testing::whole;
 
-teleop::Plant simulator(const std::vector<Effect>& effects,
-                        const PlantTerms& terms,
-                        const JointVector& q,
-                        const JointVector& v) {
-  static_cast<void>(effects);
-  return {phantom(), {.terms = terms, .stops = false, .q = q, .qd = v}};
-}
-
 PlantTerms terms(const std::vector<Effect>& effects) {
   std::vector<EffectSpec> specs;
   specs.reserve(effects.size());
@@ -47,7 +39,7 @@ double difference(const std::vector<Effect>& effects) {
   const JointVector q{0.1, 0.45, 0.2};
   const JointVector v{0.2, -0.1, 0.15};
   const PlantTerms simulated = terms(effects);
-  teleop::Plant theirs = simulator(effects, simulated, q, v);
+  teleop::Plant theirs{phantom(), {.terms = simulated, .stops = false, .q = q, .qd = v}};
   const JointVector counts_per_rev{54476.8, 45875.2, 45875.2};
   Sensing sensing{simulated.sensing, counts_per_rev, q, v};
   Plant ours{plant_law(phantom(), effects, 1), q, v, 40};
