@@ -20,10 +20,10 @@
 #include "core/device/device.hpp"
 #include "core/identification/response_experiment.hpp"
 #include "core/program/stop_signal.hpp"
-#include "core/realtime/scheduling.hpp"
 #include "scenarios/frequency_response_fits.hpp"
 #include "scenarios/frequency_response_picture.hpp"
 #include "scenarios/gnuplot.hpp"
+#include "scenarios/loop_thread.hpp"
 #include "scenarios/output.hpp"
 
 namespace teleop {
@@ -82,21 +82,15 @@ void announce(const FrequencyResponseOptions& options,
   if (answer != "yes") throw ConfigError{"nothing was moved"};
 }
 
-void show(const std::vector<std::string>& refusals) {
-  for (const std::string& line : refusals) {
-    fmt::print(stderr, "real time: {}\n", line);
-  }
-}
-
 ResponseMeasurement measure(const ResponseExperiment& experiment,
                             Bench& bench,
                             const ArmModel& model,
                             bool real_time) {
   StopSignal signal;
   std::atomic<bool> stop{false};
-  if (real_time) show(prepare_process());
+  if (real_time) ask_for_realtime_process();
   auto running = std::async(std::launch::async, [&] {
-    if (real_time) show(prepare_thread({}));
+    if (real_time) ask_for_realtime_thread();
     return measure_response(experiment, *bench.arm, model, *bench.clock, stop);
   });
   while (running.wait_for(0ms) != std::future_status::ready) {

@@ -9,7 +9,7 @@
 
 #include "core/model/arm_model.hpp"
 #include "core/model/dynamics.hpp"
-#include "core/simulation/motor.hpp"
+#include "core/simulation/held_motor.hpp"
 #include "core/tuning/analytic_margin.hpp"
 
 namespace teleop {
@@ -160,29 +160,20 @@ double casing_rise(const PaperSet& set, bool pwm) {
   constexpr double kSeconds = 600.0;
   const double arm_m = phantom().parameters().l1_m;
   const double ratio = phantom().parameters().transmission_ratio[1];
-  const double torque_per_ampere = set[PaperSet::torque_constant] * ratio;
-  const double full_A = set[PaperSet::full_force] * arm_m / torque_per_ampere;
-  MotorTerms terms{.resistance_ohm = set[PaperSet::resistance],
+  HeldMotor motor{{.pwm = pwm,
+                   .torque_Nm = kForce * arm_m,
+                   .torque_per_ampere = set[PaperSet::torque_constant] * ratio,
+                   .full_torque_Nm = set[PaperSet::full_force] * arm_m,
+                   .resistance_ohm = set[PaperSet::resistance],
                    .inductance_H = set[PaperSet::inductance],
-                   .supply_V = full_A * set[PaperSet::resistance],
                    .carrier_Hz = set[PaperSet::carrier],
-                   .heats = true,
-                   .ambient_C = 25.6,
                    .winding_to_housing_K_per_W = set[PaperSet::winding_to_housing],
                    .housing_to_ambient_K_per_W = set[PaperSet::housing_to_ambient],
                    .winding_J_per_K = set[PaperSet::winding_capacity],
                    .housing_J_per_K = set[PaperSet::housing_capacity],
-                   .copper_per_K = set[PaperSet::copper]};
-  if (pwm) terms.drive = MotorTerms::Drive::pwm;
-  Motor motor{terms, torque_per_ampere};
-  // Whole carrier periods, and the command is at rest: a step holds as many as fit into 20 ms.
-  const double period = 1.0 / set[PaperSet::carrier];
-  const double step = pwm ? period * std::max(std::floor(0.02 / period), 1.0) : 0.02;
-  const auto steps = std::lround(kSeconds / step);
-  for (long k = 0; k < steps; ++k) {
-    motor.step(kForce * arm_m, 0.0, 0.0, step);
-  }
-  return motor.housing_temperature() - terms.ambient_C;
+                   .copper_per_K = set[PaperSet::copper]}};
+  motor.hold(kSeconds);
+  return motor.casing_rise_K();
 }
 
 std::optional<double> analysed(PaperRowId row, const PaperSet& set) {

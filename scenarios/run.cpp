@@ -48,9 +48,9 @@ std::string script_of(const Figure& figure) {
       "set datafile separator \",\"\nset title \"{1}\"\nset xlabel \"{2}\"\nset ylabel \"{3}\"\n"
       "set grid lt 1 lc rgb \"#dddddd\"\nset border 3\nset tics nomirror\n"
       "set autoscale fix\nset bmargin 5.5\nset key outside bottom center horizontal\nset offsets "
-      "0,0,graph 0.05,graph 0.03\nplot ",
+      "0,0,graph 0.05,graph 0.03\n{4}plot ",
       figure.name, gnuplot_text(figure.title), gnuplot_text(figure.x_label),
-      gnuplot_text(figure.y_label));
+      gnuplot_text(figure.y_label), figure.log_x ? "set logscale x\n" : "");
   // Curves of one family share a colour; its first curve carries the label.
   int family = 0;
   for (std::size_t i = 0; i < figure.curves.size(); ++i) {

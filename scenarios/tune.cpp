@@ -15,6 +15,7 @@
 #include "core/realtime/clock.hpp"
 #include "core/tuning/pose_move.hpp"
 #include "scenarios/gnuplot.hpp"
+#include "scenarios/loop_thread.hpp"
 #include "scenarios/output.hpp"
 #include "scenarios/tune_journal.hpp"
 #include "scenarios/tune_report.hpp"
@@ -231,22 +232,15 @@ TunedPoint tune_job(const TuneOptions& options,
   return point;
 }
 
-}  // namespace
-
-int run_tune(const TuneOptions& options) {
-  check(options);
-  check_estimator(options);
-  StopSignal stop;
-  Bench bench = open_bench(options);
-  const std::vector<TuneJob> jobs = jobs_of(options, bench.models[0]);
-  const std::filesystem::path folder = make_folder(options.out);
-  TuneJournal journal{folder / "tune.jsonl", asked_of(options, bench, jobs), options.resume};
+/// All searches, one after the other, and home.
+std::vector<TunedPoint> tune_all(const TuneOptions& options,
+                                 Bench& bench,
+                                 const std::vector<TuneJob>& jobs,
+                                 TuneJournal& journal,
+                                 StopSignal& stop) {
   const std::string_view unit = unit_of(experiment_of(options));
-  for (const auto& arm : bench.arms) {
-    fmt::print(stderr, "{}: {}\n", arm->info().name, arm->info().details);
-  }
-
   std::vector<TunedPoint> points;
+  points.reserve(jobs.size());
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     PointConfig config = point_config(options, jobs[i]);
     std::size_t number = journal.done(i).size();
@@ -265,6 +259,27 @@ int run_tune(const TuneOptions& options) {
   for (const auto& arm : bench.arms) {
     arm->amplifiers(false);
   }
+  return points;
+}
+
+}  // namespace
+
+int run_tune(const TuneOptions& options) {
+  check(options);
+  check_estimator(options);
+  StopSignal stop;
+  Bench bench = open_bench(options);
+  const std::vector<TuneJob> jobs = jobs_of(options, bench.models[0]);
+  const std::filesystem::path folder = make_folder(options.out);
+  TuneJournal journal{folder / "tune.jsonl", asked_of(options, bench, jobs), options.resume};
+  for (const auto& arm : bench.arms) {
+    fmt::print(stderr, "{}: {}\n", arm->info().name, arm->info().details);
+  }
+
+  const auto tuned = [&] {
+    return tune_all(options, bench, jobs, journal, stop);
+  };
+  const std::vector<TunedPoint> points = bench.time_waits ? tuned() : on_realtime_thread(tuned);
 
   const nlohmann::json json = report_json(options, points);
   write_json(folder / "tune.json", json);

@@ -22,14 +22,14 @@ namespace teleop {
 ///
 ///     k_f G_m = s² G_s   and   k_f B_m = s² B_s.
 ///
-/// The shipped gains are a stand-in until a tuner measures them: B was chosen, G is half of the
-/// marginal gain at the worst pose of a rigid phantom-1.5 (tests/control/marginal_gain_test.cpp).
+/// The shipped gains: B was chosen, G is half of the marginal gain that the tuner finds on the
+/// shipped phantom-1.5 at the worst pose (tests/tuner/shipped_gains_test.cpp, docs/theory.md).
 /// Thread: any. Loop: step neither allocates, blocks nor throws.
 class PositionError {
  public:
   struct Config {
-    double stiffness_master_N_per_m = 1200.0;
-    double stiffness_slave_N_per_m = 1200.0;
+    double stiffness_master_N_per_m = 1300.0;
+    double stiffness_slave_N_per_m = 1300.0;
     double damping_master_Ns_per_m = 3.0;
     double damping_slave_Ns_per_m = 3.0;
     double scale = 1.0;                    ///< s

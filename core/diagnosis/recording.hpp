@@ -13,9 +13,9 @@ namespace teleop {
 /// One run of a machine as it was recorded: row k holds the reading taken at k · period and the
 /// command that was computed from it and applied until the next one (zero-order hold).
 struct Recording {
-  std::string name{};        ///< of its file, as the case lists it: "run-01.csv"
-  std::string excitation{};  ///< free text
-  bool held_out = false;     ///< never used for a fit
+  std::string name{};                  ///< of its file, as the case lists it: "run-01.csv"
+  std::string excitation{};            ///< free text
+  bool held_out = false;               ///< never used for a fit
   std::vector<JointVector> tau{};      ///< commanded generalised forces, N m or N
   std::vector<JointVector> q{};        ///< readings, rad or m
   std::vector<JointVector> contact{};  ///< forces that the axes exert, as measured; empty: none
@@ -27,7 +27,7 @@ struct Recording {
 struct BenchAxis {
   std::string name{};  ///< as answers name it
   bool prismatic = false;
-  std::optional<double> inertia{};  ///< kg m² or kg; none: free
+  std::optional<double> inertia{};   ///< kg m² or kg; none: free
   double inertia_tolerance = 0.005;  ///< standard deviation as a share of it
   bool pendulum = false;
   std::optional<double> moment{};  ///< N m, of a pendulum; none: free
@@ -40,9 +40,9 @@ struct BenchAxis {
 /// against.
 struct DiagnosisCase {
   std::string name{};
-  std::string plant = "phantom-1.5";  ///< name of the arm, or "rigid-axes"
-  std::vector<BenchAxis> bench{};     ///< of "rigid-axes": at most three
-  double period_s = 1e-3;             ///< as stated
+  std::string plant = "phantom-1.5";             ///< name of the arm, or "rigid-axes"
+  std::vector<BenchAxis> bench{};                ///< of "rigid-axes": at most three
+  double period_s = 1e-3;                        ///< as stated
   JointVector resolution = JointVector::Zero();  ///< of the readings, rad or m; 0: not known
   std::vector<Recording> runs{};
 

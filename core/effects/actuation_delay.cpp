@@ -9,11 +9,18 @@ constexpr std::array kParameters{
     EffectParameter{.name = "delay",
                     .unit = "s",
                     .text = "from command to action",
-                    .range = {.low = 0.0, .high = kMaxDelay_s}},
+                    .range = {.low = 0.0, .high = kMaxDelay_s},
+                    .neutral = 0.0},
 };
 
 void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
   terms.actuation.at(axis).delay += values[0];
+}
+
+std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
+  static_cast<void>(use);
+  static_cast<void>(axis);
+  return {{{4e-4}}, {{3e-3}}};
 }
 
 }  // namespace
@@ -21,8 +28,10 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
 const EffectKind actuation_delay{
     .name = "actuation_delay",
     .law = "u(t) becomes u(t - delay)",
+    .channel = Channel::actuation,
     .parameters = kParameters,
     .plug = plug,
+    .trials = trials,
 };
 
 }  // namespace teleop

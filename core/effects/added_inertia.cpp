@@ -6,11 +6,16 @@ namespace teleop {
 namespace {
 
 constexpr std::array kParameters{
-    EffectParameter{.name = "inertia", .unit = "kg m^2", .text = "of the link", .range = kAny},
+    EffectParameter{
+        .name = "inertia", .unit = "kg m^2", .text = "of the link", .range = kAny, .neutral = 0.0},
 };
 
 void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
   terms.load.added_inertia.at(axis) += values[0];
+}
+
+std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
+  return {{{0.01 * use.at(axis).inertia}}};
 }
 
 }  // namespace
@@ -18,8 +23,10 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
 const EffectKind added_inertia{
     .name = "added_inertia",
     .law = "M_ii becomes M_ii + inertia",
+    .channel = Channel::load,
     .parameters = kParameters,
     .plug = plug,
+    .trials = trials,
 };
 
 }  // namespace teleop

@@ -6,12 +6,21 @@ namespace teleop {
 namespace {
 
 constexpr std::array kParameters{
-    EffectParameter{
-        .name = "time_constant", .unit = "s", .text = "of the current loop", .range = kNotNegative},
+    EffectParameter{.name = "time_constant",
+                    .unit = "s",
+                    .text = "of the current loop",
+                    .range = kNotNegative,
+                    .neutral = 0.0},
 };
 
 void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
   terms.actuation.at(axis).lag = values[0];
+}
+
+std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
+  static_cast<void>(use);
+  static_cast<void>(axis);
+  return {{{4e-4}}, {{3e-3}}};
 }
 
 }  // namespace
@@ -19,8 +28,10 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
 const EffectKind amplifier_lag{
     .name = "amplifier_lag",
     .law = "time_constant a' = u - a",
+    .channel = Channel::actuation,
     .parameters = kParameters,
     .plug = plug,
+    .trials = trials,
 };
 
 }  // namespace teleop

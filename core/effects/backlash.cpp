@@ -7,13 +7,17 @@ namespace teleop {
 namespace {
 
 constexpr std::array kParameters{
-    EffectParameter{
-        .name = "gap", .unit = "rad", .text = "total width of the play", .range = kPositive},
+    EffectParameter{.name = "gap",
+                    .unit = "rad",
+                    .text = "total width of the play",
+                    .range = kPositive,
+                    .neutral = 0.0},
     EffectParameter{.name = "drive_inertia",
                     .unit = "kg m^2",
                     .text = "moved from link to drive; 0: the rotor of the arm",
                     .range = kNotNegative,
-                    .standard = 0.0},
+                    .standard = 0.0,
+                    .role = EffectParameter::Role::given},
 };
 
 void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
@@ -26,13 +30,21 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
       .drive_inertia = values[1] > 0.0 ? values[1] : rotor_inertia(axis)};
 }
 
+std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
+  static_cast<void>(use);
+  static_cast<void>(axis);
+  return {{{2e-4, 0.0}}, {{1e-3, 0.0}}, {{4e-3, 0.0}}};
+}
+
 }  // namespace
 
 const EffectKind backlash{
     .name = "backlash",
     .law = "|m - q| <= gap / 2; T = 0 inside, at the ends as needed, pushing only",
+    .channel = Channel::joint,
     .parameters = kParameters,
     .plug = plug,
+    .trials = trials,
 };
 
 }  // namespace teleop

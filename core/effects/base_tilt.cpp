@@ -10,17 +10,29 @@ constexpr std::array kParameters{
                     .unit = "rad",
                     .text = "about x",
                     .range = {.low = -3.15, .high = 3.15},
-                    .standard = 0.0},
+                    .standard = 0.0,
+                    .neutral = 0.0},
     EffectParameter{.name = "tilt_z",
                     .unit = "rad",
                     .text = "about z",
                     .range = {.low = -3.15, .high = 3.15},
-                    .standard = 0.0},
+                    .standard = 0.0,
+                    .neutral = 0.0},
 };
 
 void plug(PlantTerms& terms, std::size_t /*axis*/, std::span<const double> values) {
   terms.load.tilt_x = values[0];
   terms.load.tilt_z = values[1];
+}
+
+std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
+  static_cast<void>(use);
+  static_cast<void>(axis);
+  return {{{0.01, 0.0}, {0.0, 0.01}}};
+}
+
+std::vector<double> sized_here(const EffectTrial& trial, std::span<const double> shares) {
+  return {trial[0][0] * shares[0], trial[1][1] * shares[1]};
 }
 
 }  // namespace
@@ -29,8 +41,11 @@ const EffectKind base_tilt{
     .name = "base_tilt",
     .law = "up = Rx(tilt_x) Rz(tilt_z) e_y instead of e_y",
     .per_axis = false,
+    .channel = Channel::load,
     .parameters = kParameters,
     .plug = plug,
+    .trials = trials,
+    .sized = sized_here,
 };
 
 }  // namespace teleop

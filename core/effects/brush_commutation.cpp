@@ -27,6 +27,7 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
 const EffectKind brush_commutation{
     .name = "brush_commutation",
     .law = "R becomes R (1 + depth sin(2 pi m / period + phase))",
+    .channel = Channel::actuation,
     .parameters = kParameters,
     .plug = plug,
 };

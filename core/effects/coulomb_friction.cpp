@@ -9,12 +9,14 @@ constexpr std::array kParameters{
     EffectParameter{.name = "level",
                     .unit = "N m",
                     .text = "torque that keeps the joint at rest",
-                    .range = kNotNegative},
+                    .range = kNotNegative,
+                    .neutral = 0.0},
     EffectParameter{.name = "asymmetry",
                     .unit = "1",
                     .text = "share by which positive motion is braked more",
                     .range = {.low = -1.0, .high = 1.0},
-                    .standard = 0.0},
+                    .standard = 0.0,
+                    .role = EffectParameter::Role::on_evidence},
 };
 
 void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
@@ -24,14 +26,20 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
   terms.friction.at(axis).dry_backward += level * (1.0 - asymmetry);
 }
 
+std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
+  return {{{0.03 * use.at(axis).torque, 0.0}}};
+}
+
 }  // namespace
 
 const EffectKind coulomb_friction{
     .name = "coulomb_friction",
     .law = "f = -level (1 + asymmetry sgn(m')) sgn(m'), sgn(0) = [-1, 1]",
     .repeatable = true,
+    .channel = Channel::joint,
     .parameters = kParameters,
     .plug = plug,
+    .trials = trials,
 };
 
 }  // namespace teleop

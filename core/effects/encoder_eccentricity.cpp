@@ -1,4 +1,6 @@
 #include <array>
+#include <cmath>
+#include <numbers>
 
 #include "core/base/error.hpp"
 #include "core/effects/kinds.hpp"
@@ -7,15 +9,19 @@ namespace teleop {
 namespace {
 
 constexpr std::array kParameters{
-    EffectParameter{
-        .name = "amplitude", .unit = "rad", .text = "of the reading", .range = kNotNegative},
+    EffectParameter{.name = "amplitude",
+                    .unit = "rad",
+                    .text = "of the reading",
+                    .range = kNotNegative,
+                    .neutral = 0.0},
     EffectParameter{
         .name = "phase", .unit = "rad", .text = "at angle zero", .range = kAny, .standard = 0.0},
     EffectParameter{.name = "cycles_per_joint_rev",
                     .unit = "1",
                     .text = "1: on the joint; the transmission ratio: on the motor",
                     .range = kPositive,
-                    .standard = 1.0},
+                    .standard = 1.0,
+                    .role = EffectParameter::Role::given},
 };
 
 void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
@@ -25,14 +31,32 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
   }
 }
 
+std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
+  const AxisUse& own = use.at(axis);
+  std::vector<EffectTrial> all;
+  for (const double cycles : {1.0, own.ratio}) {
+    const double amplitude = 2e-3 / cycles;
+    all.push_back({{amplitude, 0.0, cycles}, {amplitude, std::numbers::pi / 2.0, cycles}});
+  }
+  return all;
+}
+
+std::vector<double> sized_here(const EffectTrial& trial, std::span<const double> shares) {
+  const double amplitude = trial[0][0] * std::hypot(shares[0], shares[1]);
+  return {amplitude, std::atan2(shares[1], shares[0]), trial[0][2]};
+}
+
 }  // namespace
 
 const EffectKind encoder_eccentricity{
     .name = "encoder_eccentricity",
     .law = "y = m + amplitude sin(cycles_per_joint_rev m + phase)",
     .repeatable = true,
+    .channel = Channel::sensing,
     .parameters = kParameters,
     .plug = plug,
+    .trials = trials,
+    .sized = sized_here,
 };
 
 }  // namespace teleop

@@ -6,12 +6,21 @@ namespace teleop {
 namespace {
 
 constexpr std::array kParameters{
-    EffectParameter{
-        .name = "scale", .unit = "1", .text = "read over true angle", .range = kPositive},
+    EffectParameter{.name = "scale",
+                    .unit = "1",
+                    .text = "read over true angle",
+                    .range = kPositive,
+                    .neutral = 1.0},
 };
 
 void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
   terms.sensing.at(axis).scale *= values[0];
+}
+
+std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
+  static_cast<void>(use);
+  static_cast<void>(axis);
+  return {{{1.01}}};
 }
 
 }  // namespace
@@ -19,8 +28,10 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
 const EffectKind encoder_scale{
     .name = "encoder_scale",
     .law = "y = scale m",
+    .channel = Channel::sensing,
     .parameters = kParameters,
     .plug = plug,
+    .trials = trials,
 };
 
 }  // namespace teleop

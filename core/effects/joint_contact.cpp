@@ -10,17 +10,22 @@ namespace {
 constexpr std::array kParameters{
     EffectParameter{
         .name = "location", .unit = "rad", .text = "where the wall begins", .range = kAny},
-    EffectParameter{
-        .name = "stiffness", .unit = "N m/rad", .text = "of the wall", .range = kPositive},
+    EffectParameter{.name = "stiffness",
+                    .unit = "N m/rad",
+                    .text = "of the wall",
+                    .range = kPositive,
+                    .neutral = 0.0},
     EffectParameter{.name = "damping",
                     .unit = "N m s/rad",
                     .text = "of the wall",
                     .range = kNotNegative,
-                    .standard = 0.0},
+                    .standard = 0.0,
+                    .neutral = 0.0},
     EffectParameter{.name = "side",
                     .unit = "1",
                     .text = "+1: wall above the location, -1: below",
-                    .range = {.low = -1.0, .high = 1.0}},
+                    .range = {.low = -1.0, .high = 1.0},
+                    .role = EffectParameter::Role::given},
 };
 
 void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
@@ -33,14 +38,30 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
   if (!terms.walls.push(wall)) throw ConfigError{"contact: at most six"};
 }
 
+std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
+  constexpr int kPlaces = 8;
+  constexpr double kStiffness = 0.2;  // N m/rad
+  const AxisUse& own = use.at(axis);
+  std::vector<EffectTrial> all;
+  for (int i = 1; i < kPlaces; ++i) {
+    const double place = own.low + (own.high - own.low) * static_cast<double>(i) / kPlaces;
+    for (const double side : {1.0, -1.0}) {
+      all.push_back({{place, kStiffness, 0.0, side}});
+    }
+  }
+  return all;
+}
+
 }  // namespace
 
 const EffectKind joint_contact{
     .name = "contact",
     .law = "p = side (q - location) > 0: f = -side max(0, stiffness p + damping p')",
     .repeatable = true,
+    .channel = Channel::environment,
     .parameters = kParameters,
     .plug = plug,
+    .trials = trials,
 };
 
 }  // namespace teleop

@@ -47,6 +47,7 @@ const EffectKind linear_amplifier{
     .law =
         "i' = 2 pi bandwidth (u / (K_t N) - i) within |i| <= current_limit and |L i' + R i + K_e N "
         "m'| <= voltage_limit",
+    .channel = Channel::actuation,
     .parameters = kParameters,
     .plug = plug,
 };

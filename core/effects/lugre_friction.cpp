@@ -40,6 +40,7 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
 const EffectKind lugre_friction{
     .name = "lugre_friction",
     .law = "f = -z - micro_damping z' / stiffness, z' = stiffness (m' - |m'| z / g(m'))",
+    .channel = Channel::joint,
     .parameters = kParameters,
     .plug = plug,
 };

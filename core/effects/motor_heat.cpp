@@ -48,6 +48,7 @@ const EffectKind motor_heat{
     .law =
         "C_w T_w' = R i^2 - (T_w - T_h) / R_wh; C_h T_h' = (T_w - T_h) / R_wh - (T_h - ambient) / "
         "R_ha",
+    .channel = Channel::actuation,
     .parameters = kParameters,
     .plug = plug,
 };

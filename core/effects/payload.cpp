@@ -6,11 +6,18 @@ namespace teleop {
 namespace {
 
 constexpr std::array kParameters{
-    EffectParameter{.name = "mass", .unit = "kg", .text = "at the tip", .range = kNotNegative},
+    EffectParameter{
+        .name = "mass", .unit = "kg", .text = "at the tip", .range = kNotNegative, .neutral = 0.0},
 };
 
 void plug(PlantTerms& terms, std::size_t /*axis*/, std::span<const double> values) {
   terms.load.payload_kg += values[0];
+}
+
+std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
+  static_cast<void>(use);
+  static_cast<void>(axis);
+  return {{{2e-3}}};
 }
 
 }  // namespace
@@ -19,8 +26,10 @@ const EffectKind payload{
     .name = "payload",
     .law = "M, C and N of a mass at the tip are added",
     .per_axis = false,
+    .channel = Channel::load,
     .parameters = kParameters,
     .plug = plug,
+    .trials = trials,
 };
 
 }  // namespace teleop

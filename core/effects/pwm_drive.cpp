@@ -44,6 +44,7 @@ const EffectKind pwm_drive{
     .law =
         "V = supply for |u| / stall of a period, else 0; L i' = V - R i - K_e N m'; stall = K_t N "
         "supply / R",
+    .channel = Channel::actuation,
     .parameters = kParameters,
     .plug = plug,
 };

@@ -27,6 +27,7 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
 const EffectKind quadrature_error{
     .name = "quadrature_error",
     .law = "edges of channel B shifted by phase_error, falling edges by duty_error counts",
+    .channel = Channel::sensing,
     .parameters = kParameters,
     .plug = plug,
 };

@@ -27,6 +27,7 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
 const EffectKind sine_encoder{
     .name = "sine_encoder",
     .law = "steps_per_line steps a line; y = m + error sin(line phase)",
+    .channel = Channel::sensing,
     .parameters = kParameters,
     .plug = plug,
 };

@@ -7,10 +7,16 @@ namespace teleop {
 namespace {
 
 constexpr std::array kParameters{
-    EffectParameter{
-        .name = "coulomb", .unit = "N m", .text = "level in fast motion", .range = kNotNegative},
-    EffectParameter{
-        .name = "static", .unit = "N m", .text = "level at rest", .range = kNotNegative},
+    EffectParameter{.name = "coulomb",
+                    .unit = "N m",
+                    .text = "level in fast motion",
+                    .range = kNotNegative,
+                    .neutral = 0.0},
+    EffectParameter{.name = "static",
+                    .unit = "N m",
+                    .text = "level at rest",
+                    .range = kNotNegative,
+                    .neutral = 0.0},
     EffectParameter{.name = "stribeck_velocity",
                     .unit = "rad/s",
                     .text = "where the level has fallen by 63 % of the difference",
@@ -28,14 +34,25 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
   friction.stribeck_velocity = values[2];
 }
 
+std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
+  const AxisUse& own = use.at(axis);
+  std::vector<EffectTrial> all;
+  for (const double share : {0.03, 0.1, 0.3}) {
+    all.push_back({{0.03 * own.torque, 0.05 * own.torque, share * own.speed}});
+  }
+  return all;
+}
+
 }  // namespace
 
 const EffectKind stribeck_friction{
     .name = "stribeck_friction",
     .law =
         "f = -F(m') sgn(m'), F(v) = coulomb + (static - coulomb) exp(-(v / stribeck_velocity)^2)",
+    .channel = Channel::joint,
     .parameters = kParameters,
     .plug = plug,
+    .trials = trials,
 };
 
 }  // namespace teleop

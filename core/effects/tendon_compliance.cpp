@@ -21,6 +21,7 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
 const EffectKind tendon_compliance{
     .name = "tendon_compliance",
     .law = "y = m + a / stiffness",
+    .channel = Channel::sensing,
     .parameters = kParameters,
     .plug = plug,
 };

@@ -32,6 +32,7 @@ const EffectKind tool_accelerometer{
     .law =
         "reads the tool's acceleration behind a first-order filter, with noise, within its range",
     .per_axis = false,
+    .channel = Channel::sensing,
     .parameters = kParameters,
     .plug = plug,
 };

@@ -6,12 +6,19 @@ namespace teleop {
 namespace {
 
 constexpr std::array kParameters{
-    EffectParameter{
-        .name = "bias", .unit = "N m", .text = "added to the delivered torque", .range = kAny},
+    EffectParameter{.name = "bias",
+                    .unit = "N m",
+                    .text = "added to the delivered torque",
+                    .range = kAny,
+                    .neutral = 0.0},
 };
 
 void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
   terms.actuation.at(axis).bias += values[0];
+}
+
+std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
+  return {{{0.02 * use.at(axis).torque}}};
 }
 
 }  // namespace
@@ -19,8 +26,10 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
 const EffectKind torque_bias{
     .name = "torque_bias",
     .law = "a becomes a + bias",
+    .channel = Channel::actuation,
     .parameters = kParameters,
     .plug = plug,
+    .trials = trials,
 };
 
 }  // namespace teleop

@@ -9,11 +9,17 @@ constexpr std::array kParameters{
     EffectParameter{.name = "threshold",
                     .unit = "N m",
                     .text = "largest command that is lost",
-                    .range = kPositive},
+                    .range = kPositive,
+                    .neutral = 0.0},
 };
 
 void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
   terms.actuation.at(axis).threshold = values[0];
+}
+
+std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
+  const double torque = use.at(axis).torque;
+  return {{{0.03 * torque}}, {{0.15 * torque}}};
 }
 
 }  // namespace
@@ -21,8 +27,10 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
 const EffectKind torque_deadzone{
     .name = "torque_deadzone",
     .law = "u becomes 0 if |u| <= threshold, else u - threshold sgn(u)",
+    .channel = Channel::actuation,
     .parameters = kParameters,
     .plug = plug,
+    .trials = trials,
 };
 
 }  // namespace teleop

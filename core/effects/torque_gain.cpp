@@ -6,12 +6,21 @@ namespace teleop {
 namespace {
 
 constexpr std::array kParameters{
-    EffectParameter{
-        .name = "gain", .unit = "1", .text = "delivered over commanded torque", .range = kAny},
+    EffectParameter{.name = "gain",
+                    .unit = "1",
+                    .text = "delivered over commanded torque",
+                    .range = kAny,
+                    .neutral = 1.0},
 };
 
 void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
   terms.actuation.at(axis).gain *= values[0];
+}
+
+std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
+  static_cast<void>(use);
+  static_cast<void>(axis);
+  return {{{1.02}}};
 }
 
 }  // namespace
@@ -19,8 +28,10 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
 const EffectKind torque_gain{
     .name = "torque_gain",
     .law = "u becomes gain u",
+    .channel = Channel::actuation,
     .parameters = kParameters,
     .plug = plug,
+    .trials = trials,
 };
 
 }  // namespace teleop

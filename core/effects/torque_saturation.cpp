@@ -15,13 +15,20 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
   actuation.limit = std::min(actuation.limit, values[0]);
 }
 
+std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
+  const double peak = use.at(axis).torque_peak;
+  return {{{0.9 * peak}}, {{0.7 * peak}}, {{0.5 * peak}}};
+}
+
 }  // namespace
 
 const EffectKind torque_saturation{
     .name = "torque_saturation",
     .law = "u becomes max(-limit, min(limit, u))",
+    .channel = Channel::actuation,
     .parameters = kParameters,
     .plug = plug,
+    .trials = trials,
 };
 
 }  // namespace teleop

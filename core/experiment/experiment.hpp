@@ -40,6 +40,7 @@ struct Figure {
   std::string x_label{};
   std::string y_label{};
   std::vector<Curve> curves{};
+  bool log_x = false;
 };
 
 /// An arm that is not computed from the scenario: opened by the program, alive on its clock.

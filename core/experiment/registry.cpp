@@ -14,12 +14,15 @@ extern const ExperimentKind gravity_experiment;
 extern const ExperimentKind computed_torque_experiment;
 extern const ExperimentKind virtual_wall_experiment;
 extern const ExperimentKind marginal_gain_experiment;
+extern const ExperimentKind frequency_response_experiment;
+extern const ExperimentKind motor_heat_experiment;
 
 namespace {
 
 constexpr std::array kExperiments{
     &teleop_experiment,       &gravity_experiment,       &computed_torque_experiment,
-    &virtual_wall_experiment, &marginal_gain_experiment,
+    &virtual_wall_experiment, &marginal_gain_experiment, &frequency_response_experiment,
+    &motor_heat_experiment,
 };
 
 }  // namespace

@@ -72,6 +72,13 @@ class ArmModel {
   };
   [[nodiscard]] const Lumped& lumped() const noexcept { return lumped_; }
 
+  /// The same arm with other lumped constants, as an identification finds them.
+  [[nodiscard]] ArmModel with(const Lumped& lumped) const {
+    ArmModel other = *this;
+    other.lumped_ = lumped;
+    return other;
+  }
+
  private:
   ArmParameters parameters_;
   Lumped lumped_;

@@ -88,4 +88,10 @@ std::vector<std::string> prepare_thread(const Realtime& realtime) {
   return refused;
 }
 
+void leave_realtime() noexcept {
+  // Towards ordinary scheduling nothing is ever refused.
+  const sched_param parameters{.sched_priority = 0};
+  static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_OTHER, &parameters));
+}
+
 }  // namespace teleop

@@ -28,4 +28,8 @@ void add_settings(Settings& settings, const std::string& prefix, Realtime& realt
 /// @returns what the system refused, as above: the caller prints and records it.
 [[nodiscard]] std::vector<std::string> prepare_thread(const Realtime& realtime);
 
+/// Takes the calling thread back to ordinary scheduling: threads that a loop's thread starts for
+/// its thinking inherit its priority, and would keep the loop waiting.
+void leave_realtime() noexcept;
+
 }  // namespace teleop

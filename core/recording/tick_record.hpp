@@ -5,6 +5,7 @@
 
 #include "core/math/joint_vector.hpp"
 #include "core/math/spatial.hpp"
+#include "core/ports/arm.hpp"
 
 namespace teleop {
 
@@ -55,6 +56,7 @@ struct TickRecord {
   std::uint64_t packets_lost = 0;
   std::uint64_t packets_duplicated = 0;
   std::uint64_t packets_reordered = 0;
+  Vector3 tool_acceleration_m_per_s2 = Vector3::Zero();
 };
 
 /// What a reader of a log needs to know about a field. The number is its Protobuf tag: never reuse
@@ -63,6 +65,7 @@ struct Field {
   int number = 0;
   const char* name = "";
   const char* text = "";
+  std::uint32_t only_with = 0;  ///< bits of arm_flags: tables leave it out where no record has them
 };
 
 /// Calls visit(Field, member) for every field in order. `Record` is TickRecord or const TickRecord.
@@ -113,6 +116,9 @@ constexpr void for_each_field(Record& r, Visitor&& visit) {
   visit(Field{42, "packets_lost", "since the start"}, r.packets_lost);
   visit(Field{43, "packets_duplicated", "since the start"}, r.packets_duplicated);
   visit(Field{44, "packets_reordered", "since the start"}, r.packets_reordered);
+  visit(Field{45, "tool_acceleration_m_per_s2", "tool accelerometer, weight not included",
+              static_cast<std::uint32_t>(ArmFlag::has_acceleration)},
+        r.tool_acceleration_m_per_s2);
 }
 
 }  // namespace teleop

@@ -48,6 +48,22 @@ void Plant::set_torque(const JointVector& tau) noexcept {
   torque_is_new_ = true;
 }
 
+void Plant::set_disturbance(const JointVector& torque) noexcept {
+  expects(torque.allFinite(), "disturbances are finite");
+  if (torque == disturbance_) return;
+  disturbance_ = torque;
+  torque_is_new_ = true;
+}
+
+void Plant::shift(const JointVector& q, const JointVector& qd) noexcept {
+  expects(q.allFinite() && qd.allFinite(), "a shift is finite");
+  q_ += q;
+  m_ += q;
+  qd_ += qd;
+  md_ += qd;
+  shifted_ = true;
+}
+
 /// One step of Runge–Kutta from the present state; its first stage is the present look.
 Plant::Trial Plant::step(double h) noexcept {
   const double half = h / 2.0;

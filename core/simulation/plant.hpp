@@ -66,6 +66,13 @@ class Plant {
   /// Commanded joint torques, held until the next call. @pre finite
   void set_torque(const JointVector& tau) noexcept;
 
+  /// Torques on the drives that no command asks for, held until the next call, N m. @pre finite
+  void set_disturbance(const JointVector& torque) noexcept;
+
+  /// Moves links and drives by so much at once, as an observer does that follows a recording.
+  /// @pre finite
+  void shift(const JointVector& q, const JointVector& qd) noexcept;
+
   /// Lets time pass. `sensing`, if given, sees every piece of the motion.
   void advance(Duration span, Sensing* sensing = nullptr) noexcept;
 
@@ -203,6 +210,7 @@ class Plant {
   JointVector bristle_ = JointVector::Zero();  ///< z, N m
   JointVector tau_ = JointVector::Zero();
   JointVector motor_torque_ = JointVector::Zero();
+  JointVector disturbance_ = JointVector::Zero();
   Duration time_{0};
   Duration since_knot_{0};
   double s_ = 0.0;  ///< since the hand's knot; since the start of an advance without hand
@@ -214,6 +222,7 @@ class Plant {
   Look now_{};
   bool commanded_ = false;
   bool torque_is_new_ = true;
+  bool shifted_ = false;
   std::uint64_t events_ = 0;
 };
 

@@ -157,7 +157,7 @@ inline JointVector Plant::drive_torque(const Stage& stage) const noexcept {
       ripples_ || motors_act_ ? delivered(stage.dt, m_ + turn) : chain_.torque(stage.dt);
   for (std::size_t i = 0; i < kJoints; ++i) {
     const auto axis = static_cast<Eigen::Index>(i);
-    torque[axis] += smooth_friction(i, turn[axis], speed[axis]);
+    torque[axis] += disturbance_[axis] + smooth_friction(i, turn[axis], speed[axis]);
   }
   return torque;
 }
@@ -419,6 +419,11 @@ void Plant::settle() noexcept {
 /// Takes a new torque into account: it may set joints at rest in motion and lift drives off the
 /// ends of their play, nothing else changes form.
 void Plant::refresh() noexcept {
+  if (shifted_) {
+    shifted_ = false;
+    choose_forms();
+    return;
+  }
   if (!torque_is_new_) return;
   torque_is_new_ = false;
   bool changes = splits_;

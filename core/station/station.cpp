@@ -245,6 +245,7 @@ void Station::remember(const Tick& tick, const JointVector& tau) noexcept {
   r.error_m = coupling_.error;
   r.coupling_N = coupling_.force;
   r.tool_force_N = arm.tool_force;
+  r.tool_acceleration_m_per_s2 = arm.tool_acceleration;
   r.epoch = decided_.epoch;
   r.ramp = decided_.ramp;
   r.energy_J = energy_J_;

@@ -23,7 +23,8 @@ constexpr double kNear = 0.12;           ///< |ln g/g*| of probes that count for
 constexpr double kSameFrequency = 0.15;  ///< relative
 constexpr double kWorthBracketing = 1.15;
 constexpr std::size_t kFewestNear = 9;
-constexpr int kMostInARow = 8;  ///< probes that say nothing
+constexpr int kMostInARow = 8;      ///< probes that say nothing
+constexpr double kLeastRoom = 1.1;  ///< up to a gain that is too high: less is not worth a try
 
 bool is_stable(const ProbeResult& p) {
   return p.verdict == Verdict::quiet || p.verdict == Verdict::decays || p.verdict == Verdict::small;
@@ -51,9 +52,15 @@ struct Knowledge {
   const ProbeResult* low = nullptr;   ///< largest stable gain below every unstable one
   const ProbeResult* high = nullptr;  ///< smallest unstable gain
   double safe_gain = 0.0;
+  double too_high = std::numeric_limits<double>::infinity();  ///< even the weakest push overshot
   double arm_seconds = 0.0;
   int says_nothing = 0;  ///< at the end of the list
 };
+
+/// Rounding alone, times so high a gain, moves the arm further than any push was to.
+bool no_push_is_weak_enough(const ProbeResult& p) {
+  return p.verdict == Verdict::overshot && std::abs(p.plan.push_N) <= kSmallestPush_N;
+}
 
 /// How fast motion died, 1/s.
 double calm_of(const ProbeResult& p, double period_s) {
@@ -66,7 +73,9 @@ Knowledge look(Probes probes, double period_s) {
   Knowledge k;
   for (const ProbeResult& p : probes) {
     k.arm_seconds += p.timing.arm_seconds;
-    k.says_nothing = says_something(p) ? 0 : k.says_nothing + 1;
+    const bool lowers = no_push_is_weak_enough(p) && p.plan.gain < k.too_high;
+    if (lowers) k.too_high = p.plan.gain;
+    k.says_nothing = lowers || says_something(p) ? 0 : k.says_nothing + 1;
     if (surely_grows(p) && (k.high == nullptr || p.plan.gain < k.high->plan.gain)) {
       k.high = &p;
     }
@@ -263,9 +272,11 @@ std::optional<double> extrapolate(Probes probes) {
 }
 
 double explored_gain(const MarginalSearch::Config& c, Probes probes, const Knowledge& k) {
-  if (k.low == nullptr && k.high == nullptr) return c.start_gain;
+  if (k.low == nullptr && k.high == nullptr) return std::min(c.start_gain, k.too_high / 4.0);
   if (k.low == nullptr) return k.high->plan.gain / 4.0;
   const double gain = k.low->plan.gain;
+  const double room = k.too_high / gain;
+  if (room > 1.0 && room < kQuietFactor * kQuietFactor) return gain * std::sqrt(room);
   if (k.low->verdict != Verdict::decays) return kQuietFactor * gain;
   if (const std::optional<double> zero = extrapolate(probes)) {
     return std::clamp(1.03 * *zero, 1.05 * gain, 2.0 * gain);
@@ -359,7 +370,9 @@ MarginalSearch::Step MarginalSearch::next(Probes probes) const {
     const double gain = explored_gain(config_, probes, k);
     if (gain > config_.most_gain) return end(SearchEnd::no_limit);
     if (gain < config_.start_gain / 300.0) return end(SearchEnd::always_unstable);
-    if (k.low != nullptr && room_for(config_, k.low) < 4.0 * config_.quantum_m) {
+    const double most = k.low != nullptr ? k.too_high / k.low->plan.gain : 0.0;
+    const bool no_room = most > 1.0 && most < kLeastRoom;
+    if (no_room || (k.low != nullptr && room_for(config_, k.low) < 4.0 * config_.quantum_m)) {
       return end(SearchEnd::force_limited);
     }
     return ask({.gain = gain, .start_m = config_.amplitude_m});

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "core/base/contract.hpp"
+#include "core/realtime/scheduling.hpp"
 
 namespace teleop {
 namespace {
@@ -82,6 +83,7 @@ void ProbeRunner::think_about(const std::function<void()>& thought) {
   std::atomic<bool> ready{false};
   std::exception_ptr trouble;
   std::thread thinker{[&] {
+    leave_realtime();
     try {
       thought();
     } catch (...) {

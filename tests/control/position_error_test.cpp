@@ -137,7 +137,7 @@ TEST(PositionError, FeedsTheScaledForceBackInTheMastersBase) {
 }
 
 TEST(PositionError, SaysWhetherItIsPassiveAndWhy) {
-  Config config;
+  Config config{.stiffness_master_N_per_m = 1200.0, .stiffness_slave_N_per_m = 1200.0};
   EXPECT_TRUE(passive(config));
   EXPECT_NE(passivity_statement(config).find("is passive: k_f G_m = 1200 = s² G_s = 1200"),
             std::string::npos);

@@ -13,7 +13,7 @@ namespace {
 using testing::random_vector;
 using testing::SupervisedSide;
 
-constexpr double kStiffness = 1200.0;
+constexpr double kStiffness = PositionError::Config{}.stiffness_slave_N_per_m;
 
 /// One side among random events, and what the property needs to remember of its last turn.
 struct Side {

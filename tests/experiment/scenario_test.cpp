@@ -3,12 +3,14 @@
 #include <atomic>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "core/base/error.hpp"
+#include "core/model/dynamics.hpp"
 
 namespace teleop {
 namespace {
@@ -81,6 +83,18 @@ TEST(Scenario, IsRefusedInOneLineThatNamesPlaceAndCure) {
       {"effect on an axis that the arm has not",
        teleop + "[[plant.effect]]\nkind = \"viscous_friction\"\naxis = 4\ncoefficient = 0.1\n",
        {"s.toml:4", "axis = 4", "1, 2, 3"}},
+      {"form that there is not",
+       "experiment = \"frequency_response\"\n[run]\nform = \"c\"\n",
+       {"s.toml:3", "run.form", "a, b"}},
+      {"lines beyond what the rate can show",
+       "experiment = \"frequency_response\"\n[run]\nrate_Hz = 1000\nhigh_Hz = 500\n",
+       {"s.toml:4", "run.high_Hz", "0.4 of the rate"}},
+      {"drive that there is not",
+       "experiment = \"motor_heat\"\n[run]\ndrive = \"steam\"\n",
+       {"s.toml:3", "run.drive", "linear, pwm"}},
+      {"force beyond full duty",
+       "experiment = \"motor_heat\"\n[run]\ndrive = \"pwm\"\nforce_N = 9\n",
+       {"s.toml:4", "run.force_N", "full duty"}},
       {"unknown effect",
        teleop + "[[plant.effect]]\nkind = \"magic\"\naxis = 1\n",
        {"s.toml:3", "magic", "coulomb_friction"}},
@@ -167,12 +181,17 @@ TEST(Scenario, TellsTwoEffectsOfOneKindAndAxisApart) {
   EXPECT_EQ(scenario.plant().effects[1].parameters.at("level"), 0.03);
 }
 
+/// A response that takes as long as a test may.
+constexpr const char* kQuickResponse =
+    "rate_Hz = 2000\nrealisations = 4\nlow_Hz = 4\nhigh_Hz = 300\nperiods = 2\n";
+
 TEST(Experiment, GivesTheSameNumbersTwice) {
   for (const ExperimentKind* kind : experiments()) {
     const std::string name{kind->name};
     std::string settings = "seconds = 1.5\n";
     if (name == "gravity") settings = "steps = 1\ndirections = 2\n";
     if (name == "marginal_gain") settings = "width = 0.2\n";
+    if (name == "frequency_response") settings = kQuickResponse;
     const Scenario scenario{text_of("experiment = \"" + name + "\"\nseed = 7\n[run]\n" + settings)};
     const Results once = run(scenario);
     const Results again = run(scenario);
@@ -216,6 +235,37 @@ TEST(MarginalGainExperiment, FindsTheWallOfThePaperWithinATenth) {
   EXPECT_NEAR(number(results, "gain") / 2700.0, 1.0, 0.1);
   EXPECT_LT(number(results, "gain_low"), number(results, "gain"));
   EXPECT_GT(number(results, "gain_high"), number(results, "gain"));
+}
+
+TEST(FrequencyResponseExperiment, FindsThePlantedStructure) {
+  const Results results = run(Scenario{read_scenario("x-axis-response")});
+  // What scenarios/catalogue/x-axis-response.toml plants, at the tool.
+  const ArmModel arm = load_arm("phantom-1.5");
+  const double lever2 = std::pow(arm.parameters().l1_m, 2);
+  const double mass = mass_matrix(arm, JointVector::Zero())(0, 0) / lever2;
+  const double m1 = 7.0e-4 / lever2;
+  const double m2 = number(results, "m2_kg");
+  const double k = number(results, "k_N_per_m");
+  EXPECT_NEAR(k / (263.0 / lever2), 1.0, 0.02);
+  EXPECT_NEAR(number(results, "m1_kg") / m1, 1.0, 0.02);
+  EXPECT_NEAR(m2 / (mass - m1), 1.0, 0.02);
+  EXPECT_NEAR(number(results, "b_Ns_per_m") / (0.0462 / lever2), 1.0, 0.1);
+  const double antiresonance = std::sqrt(k / m2) / (2.0 * std::numbers::pi);
+  EXPECT_NEAR(number(results, "antiresonance_Hz") / antiresonance, 1.0, 0.03);
+  EXPECT_GT(number(results, "resonance_Hz"), number(results, "antiresonance_Hz"));
+  EXPECT_LT(number(results, "gain_error"), 0.05);
+  EXPECT_EQ(number(results, "fault"), 0.0);
+}
+
+TEST(MotorHeatExperiment, WarmsTheCasingAsTheReproductionDoes) {
+  const Results linear = run(Scenario{read_scenario("motor-heat")});
+  EXPECT_NEAR(number(linear, "casing_rise_K") / 14.5, 1.0, 0.1);
+  EXPECT_GT(number(linear, "winding_rise_K"), number(linear, "casing_rise_K"));
+  EXPECT_NEAR(number(linear, "torque_loss"), 0.0, 1e-9);  // the current is held
+  const Results pwm = run(Scenario{read_scenario("motor-heat"), {{"run.drive", "pwm", "test"}}});
+  EXPECT_NEAR(number(pwm, "casing_rise_K") / 34.5, 1.0, 0.1);
+  EXPECT_GT(number(pwm, "torque_loss"), 0.05);  // the duty is held, the copper warms
+  EXPECT_EQ(number(pwm, "seconds"), 600.0);
 }
 
 TEST(GravityExperiment, CarriesTheArmToTheEdgeAndLetsItFallWithout) {

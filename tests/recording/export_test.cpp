@@ -26,11 +26,13 @@ std::vector<std::string> split(const std::string& text, char separator) {
 }
 
 TEST(Csv, NamesAColumnForEveryNumber) {
-  const Log log{};
+  Log log{};
+  log.ticks.emplace_back().arm_flags = static_cast<std::uint32_t>(ArmFlag::has_acceleration);
   std::ostringstream out;
   export_csv(log, out);
 
-  const auto names = split(out.str(), ',');
+  const std::string head = split(out.str(), '\n').at(0);
+  const auto names = split(head, ',');
 
   EXPECT_EQ(names.size(), testing::bits_of(TickRecord{}).size());
   EXPECT_EQ(names.front(), "tick");
@@ -38,7 +40,20 @@ TEST(Csv, NamesAColumnForEveryNumber) {
        {"stamp_ns", "counts[0]", "counts[2]", "q_rad[0]", "q_rad[1]", "p_m[2]"}) {
     EXPECT_NE(std::ranges::find(names, name), names.end()) << name;
   }
-  EXPECT_EQ(names.back(), "packets_reordered\n");
+  EXPECT_EQ(names.back(), "tool_acceleration_m_per_s2[2]");
+}
+
+TEST(Csv, LeavesOutTheAccelerometerThatNoTickHas) {
+  Log log{};
+  log.ticks.push_back(testing::plain_tick(3));
+  std::ostringstream out;
+  export_csv(log, out);
+
+  const auto lines = split(out.str(), '\n');
+
+  EXPECT_EQ(lines.at(0).find("tool_acceleration"), std::string::npos);
+  EXPECT_TRUE(lines.at(0).ends_with(",packets_reordered"));
+  EXPECT_EQ(split(lines.at(1), ',').size(), split(lines.at(0), ',').size());
 }
 
 /// Sets a record's numbers from the cells of a line.

@@ -141,6 +141,19 @@ TEST(TickCodec, TakesAMissingFieldForZero) {
   EXPECT_EQ(testing::bits_of(*read), testing::bits_of(TickRecord{}));
 }
 
+TEST(TickCodec, ReadsALogFromBeforeTheAccelerometer) {
+  TickRecord record = testing::any_ticks(5, 1).front();
+  record.tool_acceleration_m_per_s2.setZero();
+  std::string message = encoded(record);
+  constexpr std::size_t kField = 2 + 1 + 3 * sizeof(double);  // tag 45, length, three numbers
+  message.resize(message.size() - kField);                    // fields stand in their order
+
+  const auto read = decode_tick(bytes_of(message));
+
+  ASSERT_TRUE(read.has_value());
+  EXPECT_EQ(testing::bits_of(*read), testing::bits_of(record));
+}
+
 TEST(TickCodec, IgnoresFieldsThatItDoesNotKnow) {
   const TickRecord record = testing::plain_tick(7);
   std::string message = encoded(record);

@@ -67,6 +67,24 @@ TEST(Pair, LetsTheHandFeelTheWallAtRest) {
   EXPECT_NEAR(hand / wall, 1.0, 0.1);
 }
 
+TEST(Pair, RecordsTheToolAccelerometerOfAnArmThatHasOne) {
+  SimulatedPair::Config config = pair_with("reach");
+  config.master.plant.effects.push_back(
+      {.kind = "tool_accelerometer",
+       .parameters = {{"noise", 0.01}, {"bandwidth_Hz", 500.0}, {"range", 160.0}}});
+  SimulatedPair pair{config};
+  const auto flag = static_cast<std::uint32_t>(ArmFlag::has_acceleration);
+  double most = 0.0;
+  for (int i = 0; i < 2'000; ++i) {
+    pair.step();
+    most = std::max(most, pair.master().tool_acceleration_m_per_s2.norm());
+  }
+  EXPECT_NE(pair.master().arm_flags & flag, 0U);
+  EXPECT_EQ(pair.slave().arm_flags & flag, 0U);
+  EXPECT_GT(most, 0.5) << "the hand reaches";
+  EXPECT_EQ(pair.slave().tool_acceleration_m_per_s2, Vector3{Vector3::Zero()});
+}
+
 TEST(Pair, RecordsWhatEachVelocityEstimatorMakesOfTheRecordedReadings) {
   for (const std::string_view kind : velocity_kinds()) {
     SimulatedPair::Config config = pair_with("reach");

@@ -1,0 +1,301 @@
+#include "core/diagnosis/fit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <ceres/ceres.h>
+
+#include "core/base/error.hpp"
+#include "core/diagnosis/parallel.hpp"
+#include "core/effects/vocabulary.hpp"
+
+namespace teleop {
+namespace {
+
+using Eigen::Index;
+
+constexpr double kBaseStep = 2.0;  // standard deviations of the prior
+constexpr double kLogStep = 0.01;
+
+/// Steps of derivatives by coordinates that are not searched by their logarithm.
+double step_for(std::string_view unit) {
+  struct UnitStep {
+    std::string_view unit;
+    double step;
+  };
+  constexpr std::array kSteps{UnitStep{"rad", 2e-3}, UnitStep{"1", 2e-3}, UnitStep{"N m", 2e-5},
+                              UnitStep{"kg m^2", 2e-6}};
+  for (const UnitStep& each : kSteps) {
+    if (each.unit == unit) return each.step;
+  }
+  return 1e-3;
+}
+
+double searched(const FreeParameter& parameter, double value) {
+  return parameter.logarithmic ? std::log(std::max(value, 1e-12)) : value;
+}
+
+MachineModel with(const MachineModel& model,
+                  const std::vector<FreeParameter>& free,
+                  const double* coordinates) {
+  MachineModel other = model;
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    const FreeParameter& parameter = free[i];
+    const double value = parameter.logarithmic ? std::exp(coordinates[i]) : coordinates[i];
+    other.effects[parameter.effect].parameters[parameter.name] =
+        std::clamp(value, parameter.range.low, parameter.range.high);
+  }
+  return other;
+}
+
+Eigen::VectorXd coordinates_of(const MachineModel& model, const std::vector<FreeParameter>& free) {
+  Eigen::VectorXd x{static_cast<Index>(free.size())};
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    x[static_cast<Index>(i)] =
+        searched(free[i], model.effects[free[i].effect].parameters.at(free[i].name));
+  }
+  return x;
+}
+
+/// A model whose parameters contradict each other cannot be simulated.
+bool possible(const MachineModel& model) {
+  try {
+    static_cast<void>(terms_of(model.effects));
+    return true;
+  } catch (const ConfigError&) {
+    return false;
+  }
+}
+
+/// The errors of one run as a function of (free parameters, base).
+class RunErrors final : public ceres::CostFunction {
+ public:
+  RunErrors(const Likelihood& likelihood,
+            std::size_t run,
+            const MachineModel& start,
+            const std::vector<FreeParameter>& free,
+            const Eigen::MatrixXf& base)
+      : likelihood_{&likelihood}, run_{run}, start_{&start}, free_{&free}, base_{&base} {
+    set_num_residuals(static_cast<int>(base.rows()));
+    if (!free.empty()) mutable_parameter_block_sizes()->push_back(static_cast<int>(free.size()));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(BasePrior::kSize));
+  }
+
+  bool Evaluate(const double* const* parameters,
+                double* residuals,
+                double** jacobians) const override {
+    const bool has_free = !free_->empty();
+    const double* x = has_free ? parameters[0] : nullptr;
+    const Eigen::Map<const BasePrior::Vector> z{parameters[has_free ? 1 : 0]};
+    const MachineModel here = with(*start_, *free_, x);
+    if (!possible(here)) return false;
+    const Eigen::VectorXf w = likelihood_->errors(run_, here);
+    const Eigen::VectorXd moved = base_->cast<double>() * (z - start_->base);
+    Eigen::Map<Eigen::VectorXd> out{residuals, num_residuals()};
+    out = w.cast<double>() + moved;
+    if (jacobians == nullptr) return out.allFinite();
+    if (has_free && jacobians[0] != nullptr) differentiate(x, w, jacobians[0]);
+    double* base_jacobian = jacobians[has_free ? 1 : 0];
+    if (base_jacobian != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, BasePrior::kSize, Eigen::RowMajor>>{
+          base_jacobian, num_residuals(), BasePrior::kSize} = base_->cast<double>();
+    }
+    return out.allFinite();
+  }
+
+ private:
+  void differentiate(const double* x, const Eigen::VectorXf& w, double* out) const {
+    const auto size = static_cast<Index>(free_->size());
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> J{
+        out, num_residuals(), size};
+    std::vector<double> shifted(x, x + size);
+    for (Index i = 0; i < size; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      double step = (*free_)[at].step;
+      shifted[at] = x[at] + step;
+      if (!possible(with(*start_, *free_, shifted.data()))) {
+        step = -step;
+        shifted[at] = x[at] + step;
+      }
+      const MachineModel there = with(*start_, *free_, shifted.data());
+      J.col(i) = (likelihood_->errors(run_, there) - w).cast<double>() / step;
+      shifted[at] = x[at];
+    }
+  }
+
+  const Likelihood* likelihood_;
+  std::size_t run_;
+  const MachineModel* start_;
+  const std::vector<FreeParameter>* free_;
+  const Eigen::MatrixXf* base_;
+};
+
+/// z ~ N(0, 1).
+class PriorErrors final : public ceres::SizedCostFunction<BasePrior::kSize, BasePrior::kSize> {
+ public:
+  bool Evaluate(const double* const* parameters,
+                double* residuals,
+                double** jacobians) const override {
+    Eigen::Map<BasePrior::Vector>{residuals} = Eigen::Map<const BasePrior::Vector>{parameters[0]};
+    if (jacobians != nullptr && jacobians[0] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, BasePrior::kSize, BasePrior::kSize, Eigen::RowMajor>>{
+          jacobians[0]}
+          .setIdentity();
+    }
+    return true;
+  }
+};
+
+/// Errors at the end, their slopes and the information in them.
+void look_around(const Likelihood& likelihood,
+                 const BaseColumns& base,
+                 const FitOptions& options,
+                 Fit& fit) {
+  const auto p = static_cast<Index>(fit.free.size());
+  const Index size = p + BasePrior::kSize;
+  fit.errors.resize(likelihood.runs());
+  fit.slopes.resize(options.slopes ? likelihood.runs() : 0);
+  const Eigen::VectorXd x = coordinates_of(fit.model, fit.free);
+  for_each_index(likelihood.runs(), likelihood.threads(), [&](std::size_t run) {
+    fit.errors[run] = likelihood.errors(run, fit.model);
+    if (!options.slopes) return;
+    Eigen::MatrixXf& J = fit.slopes[run];
+    J.resize(fit.errors[run].size(), size);
+    J.rightCols<BasePrior::kSize>() = base[run];
+    for (Index i = 0; i < p; ++i) {
+      const double step = fit.free[static_cast<std::size_t>(i)].step;
+      Eigen::VectorXd up = x;
+      Eigen::VectorXd down = x;
+      up[i] += step;
+      down[i] -= step;
+      MachineModel above = with(fit.model, fit.free, up.data());
+      MachineModel below = with(fit.model, fit.free, down.data());
+      double width = 2.0 * step;
+      if (!possible(above)) {
+        above = fit.model;
+        width = step;
+      } else if (!possible(below)) {
+        below = fit.model;
+        width = step;
+      }
+      J.col(i) = (likelihood.errors(run, above) - likelihood.errors(run, below)) /
+                 static_cast<float>(width);
+    }
+  });
+  fit.chi2 = fit.model.base.squaredNorm();
+  for (const Eigen::VectorXf& w : fit.errors) {
+    fit.chi2 += w.cast<double>().squaredNorm();
+  }
+  if (!options.slopes) return;
+  fit.information = Eigen::MatrixXd::Zero(size, size);
+  fit.information.diagonal().tail<BasePrior::kSize>().setOnes();
+  for (const Eigen::MatrixXf& J : fit.slopes) {
+    fit.information += (J.transpose() * J).cast<double>();
+  }
+}
+
+}  // namespace
+
+std::vector<FreeParameter> free_parameters(const std::vector<EffectSpec>& effects) {
+  std::vector<FreeParameter> free;
+  for (std::size_t i = 0; i < effects.size(); ++i) {
+    for (const EffectParameter& parameter : find_effect(effects[i].kind).parameters) {
+      const std::string name{parameter.name};
+      const bool given = effects[i].parameters.contains(name);
+      if (parameter.role == EffectParameter::Role::given || !given) continue;
+      const bool logarithmic = parameter.range.low >= 0.0;
+      free.push_back({.effect = i,
+                      .name = name,
+                      .logarithmic = logarithmic,
+                      .step = logarithmic ? kLogStep : step_for(parameter.unit),
+                      .range = parameter.range});
+    }
+  }
+  return free;
+}
+
+BaseColumns base_columns(const Likelihood& likelihood, const MachineModel& model) {
+  constexpr auto kSize = static_cast<std::size_t>(BasePrior::kSize);
+  const std::vector<Eigen::VectorXf> here = likelihood.errors(model);
+  BaseColumns columns(likelihood.runs());
+  for (std::size_t run = 0; run < likelihood.runs(); ++run) {
+    columns[run].resize(here[run].size(), BasePrior::kSize);
+  }
+  for_each_index(likelihood.runs() * kSize, likelihood.threads(), [&](std::size_t job) {
+    const std::size_t run = job / kSize;
+    const auto i = static_cast<Index>(job % kSize);
+    MachineModel other = model;
+    other.base[i] += kBaseStep;
+    columns[run].col(i) =
+        (likelihood.errors(run, other) - here[run]) / static_cast<float>(kBaseStep);
+  });
+  return columns;
+}
+
+Eigen::VectorXd Fit::deviations() const {
+  const Eigen::MatrixXd covariance =
+      information.ldlt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+  return covariance.diagonal().head(static_cast<Index>(free.size())).cwiseMax(0.0).cwiseSqrt();
+}
+
+std::vector<double> Fit::left_out() const {
+  std::vector<double> result;
+  result.reserve(errors.size());
+  for (std::size_t run = 0; run < errors.size(); ++run) {
+    const Eigen::MatrixXf& J = slopes[run];
+    const Eigen::VectorXf& w = errors[run];
+    const Eigen::MatrixXd rest = information - (J.transpose() * J).cast<double>();
+    // Without this run the other runs' gradient is the opposite of its own.
+    const Eigen::VectorXd move = rest.ldlt().solve((J.transpose() * w).cast<double>());
+    result.push_back((w + J * move.cast<float>()).cast<double>().squaredNorm());
+  }
+  return result;
+}
+
+Fit fit(const Likelihood& likelihood,
+        const BaseColumns& base,
+        const MachineModel& start,
+        const FitOptions& options) {
+  Fit result;
+  result.model = start;
+  result.free = free_parameters(start.effects);
+  Eigen::VectorXd x = coordinates_of(start, result.free);
+  BasePrior::Vector z = start.base;
+
+  ceres::Problem problem;
+  for (std::size_t run = 0; run < likelihood.runs(); ++run) {
+    auto* cost =
+        new RunErrors{likelihood, run, start, result.free, base[run]};  // NOLINT: ceres owns it
+    if (result.free.empty()) {
+      problem.AddResidualBlock(cost, nullptr, z.data());
+    } else {
+      problem.AddResidualBlock(cost, nullptr, x.data(), z.data());
+    }
+  }
+  for (std::size_t i = 0; i < result.free.size(); ++i) {
+    if (!result.free[i].logarithmic) continue;
+    constexpr double kReach = 3.0;  // a factor of 20: what lies farther has trials of its own
+    const auto at = static_cast<int>(i);
+    problem.SetParameterLowerBound(x.data(), at, x[at] - kReach);
+    problem.SetParameterUpperBound(x.data(), at, x[at] + kReach);
+  }
+  problem.AddResidualBlock(new PriorErrors, nullptr, z.data());  // NOLINT: ceres owns it
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+  solver.max_num_iterations = options.iterations;
+  solver.num_threads = static_cast<int>(likelihood.threads());
+  solver.function_tolerance = 1e-7;
+  solver.parameter_tolerance = 1e-5;
+  solver.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &problem, &summary);
+  result.converged = summary.termination_type == ceres::CONVERGENCE;
+  result.model = with(start, result.free, x.data());
+  result.model.base = z;
+  look_around(likelihood, base, options, result);
+  return result;
+}
+
+}  // namespace teleop

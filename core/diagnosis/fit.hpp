@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/base/settings.hpp"
+#include "core/diagnosis/likelihood.hpp"
+
+namespace teleop {
+
+/// A parameter of an effect that a fit may change.
+struct FreeParameter {
+  std::size_t effect = 0;  ///< in MachineModel::effects
+  std::string name{};
+  bool logarithmic = false;  ///< searched by its logarithm
+  double step = 0.0;         ///< of derivatives, in the searched coordinate
+  Range range{};
+};
+
+/// Every fitted parameter of the effects; one whose role is on_evidence where it is given.
+[[nodiscard]] std::vector<FreeParameter> free_parameters(const std::vector<EffectSpec>& effects);
+
+/// What the rigid body's departures do to the errors of each run, a column each.
+using BaseColumns = std::vector<Eigen::MatrixXf>;
+[[nodiscard]] BaseColumns base_columns(const Likelihood& likelihood, const MachineModel& model);
+
+/// A model with parameters at their most probable values.
+struct Fit {
+  MachineModel model{};
+  std::vector<FreeParameter> free{};
+  double chi2 = 0.0;                      ///< Σ |w|² + |z|²
+  Eigen::MatrixXd information{};          ///< of (free parameters, base), prior included
+  std::vector<Eigen::VectorXf> errors{};  ///< of each run
+  std::vector<Eigen::MatrixXf> slopes{};  ///< of the errors by (free parameters, base)
+  bool converged = false;
+
+  /// Standard errors of the free parameters in the searched coordinates.
+  [[nodiscard]] Eigen::VectorXd deviations() const;
+
+  /// Σ |w|² of each run under the parameters that the other runs ask for, to first order.
+  [[nodiscard]] std::vector<double> left_out() const;
+};
+
+struct FitOptions {
+  int iterations = 15;
+  bool slopes = true;  ///< at the end, by central differences; else errors alone
+};
+
+/// Levenberg–Marquardt from the given model (Ceres); the rigid body's departures enter linearly
+/// through `base`, columns at a model near by. Derivatives are differences of simulations.
+[[nodiscard]] Fit fit(const Likelihood& likelihood,
+                      const BaseColumns& base,
+                      const MachineModel& start,
+                      const FitOptions& options = {});
+
+}  // namespace teleop

@@ -1,0 +1,365 @@
+#include "core/diagnosis/leftover.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+
+#include <Eigen/Cholesky>
+
+#include "core/diagnosis/parallel.hpp"
+#include "core/diagnosis/predictor.hpp"
+#include "core/diagnosis/torque_response.hpp"
+#include "core/effects/vocabulary.hpp"
+
+namespace teleop {
+namespace {
+
+using Eigen::Index;
+
+/// What a probe may look at, at one row.
+struct Row {
+  double q = 0.0;       ///< −1 to 1 over the range of the axis
+  double v = 0.0;       ///< in units of its RMS
+  double sign = 0.0;    ///< of v, smooth where v is within the noise
+  double u = 0.0;       ///< in units of its RMS
+  double u_rate = 0.0;  ///< in units of its RMS
+  double t = 0.0;       ///< −1 to 1 over the run
+  double q_other = 0.0;
+  double v_other = 0.0;
+  double sign_other = 0.0;
+  double u_other = 0.0;
+};
+
+struct Probe {
+  const char* quantity;
+  double (*torque)(const Row&);
+};
+
+/// A bump over a tenth of the range.
+template <int kPlace>
+double bump(double q) {
+  const double x = (q - (-0.9 + 0.2 * kPlace)) / 0.12;
+  return std::exp(-x * x);
+}
+
+constexpr std::array kProbes{
+    Probe{"constant",
+          [](const Row&) {
+            return 1.0;
+          }},
+    Probe{"angle",
+          [](const Row& r) {
+            return r.q;
+          }},
+    Probe{"angle squared",
+          [](const Row& r) {
+            return r.q * r.q;
+          }},
+    Probe{"angle cubed",
+          [](const Row& r) {
+            return r.q * r.q * r.q;
+          }},
+    Probe{"speed",
+          [](const Row& r) {
+            return r.v;
+          }},
+    Probe{"size of speed",
+          [](const Row& r) {
+            return std::abs(r.v);
+          }},
+    Probe{"speed squared, signed",
+          [](const Row& r) {
+            return r.v * std::abs(r.v);
+          }},
+    Probe{"speed cubed",
+          [](const Row& r) {
+            return r.v * r.v * r.v;
+          }},
+    Probe{"direction",
+          [](const Row& r) {
+            return r.sign;
+          }},
+    Probe{"direction in forward motion",
+          [](const Row& r) {
+            return std::max(r.sign, 0.0);
+          }},
+    Probe{"direction in slow motion",
+          [](const Row& r) {
+            return r.sign * std::exp(-r.v * r.v * 9.0);
+          }},
+    Probe{"direction × angle",
+          [](const Row& r) {
+            return r.sign * r.q;
+          }},
+    Probe{"direction × angle squared",
+          [](const Row& r) {
+            return r.sign * r.q * r.q;
+          }},
+    Probe{"direction × time",
+          [](const Row& r) {
+            return r.sign * r.t;
+          }},
+    Probe{"speed × angle",
+          [](const Row& r) {
+            return r.v * r.q;
+          }},
+    Probe{"speed × time",
+          [](const Row& r) {
+            return r.v * r.t;
+          }},
+    Probe{"command",
+          [](const Row& r) {
+            return r.u;
+          }},
+    Probe{"size of command",
+          [](const Row& r) {
+            return std::abs(r.u);
+          }},
+    Probe{"command squared, signed",
+          [](const Row& r) {
+            return r.u * std::abs(r.u);
+          }},
+    Probe{"command cubed",
+          [](const Row& r) {
+            return r.u * r.u * r.u;
+          }},
+    Probe{"command × time",
+          [](const Row& r) {
+            return r.u * r.t;
+          }},
+    Probe{"command × angle",
+          [](const Row& r) {
+            return r.u * r.q;
+          }},
+    Probe{"rate of command",
+          [](const Row& r) {
+            return r.u_rate;
+          }},
+    Probe{"direction × size of command",
+          [](const Row& r) {
+            return r.sign * std::abs(r.u);
+          }},
+    Probe{"time",
+          [](const Row& r) {
+            return r.t;
+          }},
+    Probe{"angle × time",
+          [](const Row& r) {
+            return r.q * r.t;
+          }},
+    Probe{"the next axis's angle",
+          [](const Row& r) {
+            return r.q_other;
+          }},
+    Probe{"the next axis's angle squared",
+          [](const Row& r) {
+            return r.q_other * r.q_other;
+          }},
+    Probe{"the next axis's angle × angle",
+          [](const Row& r) {
+            return r.q_other * r.q;
+          }},
+    Probe{"the next axis's speed",
+          [](const Row& r) {
+            return r.v_other;
+          }},
+    Probe{"the next axis's direction",
+          [](const Row& r) {
+            return r.sign_other;
+          }},
+    Probe{"the next axis's command",
+          [](const Row& r) {
+            return r.u_other;
+          }},
+    Probe{"direction × the next axis's angle",
+          [](const Row& r) {
+            return r.sign * r.q_other;
+          }},
+    Probe{"direction near one place (1)",
+          [](const Row& r) {
+            return r.sign * bump<0>(r.q);
+          }},
+    Probe{"direction near one place (2)",
+          [](const Row& r) {
+            return r.sign * bump<1>(r.q);
+          }},
+    Probe{"direction near one place (3)",
+          [](const Row& r) {
+            return r.sign * bump<2>(r.q);
+          }},
+    Probe{"direction near one place (4)",
+          [](const Row& r) {
+            return r.sign * bump<3>(r.q);
+          }},
+    Probe{"direction near one place (5)",
+          [](const Row& r) {
+            return r.sign * bump<4>(r.q);
+          }},
+    Probe{"direction near one place (6)",
+          [](const Row& r) {
+            return r.sign * bump<5>(r.q);
+          }},
+    Probe{"direction near one place (7)",
+          [](const Row& r) {
+            return r.sign * bump<6>(r.q);
+          }},
+    Probe{"direction near one place (8)",
+          [](const Row& r) {
+            return r.sign * bump<7>(r.q);
+          }},
+    Probe{"direction near one place (9)",
+          [](const Row& r) {
+            return r.sign * bump<8>(r.q);
+          }},
+    Probe{"direction near one place (10)",
+          [](const Row& r) {
+            return r.sign * bump<9>(r.q);
+          }},
+    Probe{"one place (1)",
+          [](const Row& r) {
+            return bump<0>(r.q);
+          }},
+    Probe{"one place (2)",
+          [](const Row& r) {
+            return bump<1>(r.q);
+          }},
+    Probe{"one place (3)",
+          [](const Row& r) {
+            return bump<2>(r.q);
+          }},
+    Probe{"one place (4)",
+          [](const Row& r) {
+            return bump<3>(r.q);
+          }},
+    Probe{"one place (5)",
+          [](const Row& r) {
+            return bump<4>(r.q);
+          }},
+    Probe{"one place (6)",
+          [](const Row& r) {
+            return bump<5>(r.q);
+          }},
+    Probe{"one place (7)",
+          [](const Row& r) {
+            return bump<6>(r.q);
+          }},
+    Probe{"one place (8)",
+          [](const Row& r) {
+            return bump<7>(r.q);
+          }},
+    Probe{"one place (9)",
+          [](const Row& r) {
+            return bump<8>(r.q);
+          }},
+    Probe{"one place (10)",
+          [](const Row& r) {
+            return bump<9>(r.q);
+          }},
+};
+
+/// Scales of the rows, from all runs together.
+struct Scales {
+  JointVector middle = JointVector::Zero();
+  JointVector half_range = JointVector::Ones();
+  JointVector speed = JointVector::Ones();
+  JointVector torque = JointVector::Ones();
+  JointVector torque_rate = JointVector::Ones();
+};
+
+using States = std::vector<PredictedState>;
+
+Scales scales_of(const DiagnosisCase& data, const std::vector<States>& states) {
+  JointVector low = JointVector::Constant(1e9);
+  JointVector high = JointVector::Constant(-1e9);
+  JointVector speed = JointVector::Zero();
+  JointVector torque = JointVector::Zero();
+  JointVector rate = JointVector::Zero();
+  double rows = 0.0;
+  for (std::size_t run = 0; run < states.size(); ++run) {
+    const Recording& recording = data.runs[run];
+    for (std::size_t k = 1; k < states[run].size(); ++k) {
+      low = low.cwiseMin(states[run][k].q);
+      high = high.cwiseMax(states[run][k].q);
+      speed += states[run][k].qd.cwiseAbs2();
+      torque += recording.tau[k].cwiseAbs2();
+      rate += (recording.tau[k] - recording.tau[k - 1]).cwiseAbs2();
+      rows += 1.0;
+    }
+  }
+  const double tiny = 1e-12;
+  return {.middle = (low + high) / 2.0,
+          .half_range = ((high - low) / 2.0).cwiseMax(tiny),
+          .speed = (speed / rows).cwiseSqrt().cwiseMax(tiny),
+          .torque = (torque / rows).cwiseSqrt().cwiseMax(tiny),
+          .torque_rate = (rate / rows).cwiseSqrt().cwiseMax(tiny)};
+}
+
+Row row_of(const Recording& run, const States& states, std::size_t k, Index i, const Scales& s) {
+  constexpr double kSpeedNoise = 0.02;  // rad/s, of the tethered simulation, about
+  const Index o = (i + 1) % 3;
+  const PredictedState& at = states[k];
+  const double rate = k > 0 ? run.tau[k][i] - run.tau[k - 1][i] : 0.0;
+  return {.q = (at.q[i] - s.middle[i]) / s.half_range[i],
+          .v = at.qd[i] / s.speed[i],
+          .sign = std::tanh(at.qd[i] / kSpeedNoise),
+          .u = run.tau[k][i] / s.torque[i],
+          .u_rate = rate / s.torque_rate[i],
+          .t = 2.0 * static_cast<double>(k) / static_cast<double>(run.rows()) - 1.0,
+          .q_other = (at.q[o] - s.middle[o]) / s.half_range[o],
+          .v_other = at.qd[o] / s.speed[o],
+          .sign_other = std::tanh(at.qd[o] / kSpeedNoise),
+          .u_other = run.tau[k][o] / s.torque[o]};
+}
+
+}  // namespace
+
+std::vector<Leftover> leftovers(const Likelihood& likelihood, const Fit& now) {
+  const DiagnosisCase& data = likelihood.data();
+  const std::size_t runs = likelihood.runs();
+  std::vector<States> states(runs);
+  std::vector<std::vector<JointMatrix>> mobility(runs);
+  for_each_index(runs, likelihood.threads(), [&](std::size_t run) {
+    states[run] = likelihood.states(run, now.model);
+    mobility[run] = mobilities(likelihood.arm(), data.runs[run]);
+  });
+  const Scales scales = scales_of(data, states);
+  const Eigen::LDLT<Eigen::MatrixXd> known{now.information};
+  std::vector<Leftover> found(kProbes.size() * data.axes());
+  for_each_index(found.size(), likelihood.threads(), [&](std::size_t job) {
+    const Probe& probe = kProbes[job % kProbes.size()];
+    const auto axis = static_cast<Index>(job / kProbes.size());
+    Eigen::VectorXd cross = Eigen::VectorXd::Zero(now.information.rows());
+    double own = 0.0;
+    double pull = 0.0;
+    double power = 0.0;
+    double rows = 0.0;
+    for (std::size_t run = 0; run < runs; ++run) {
+      std::vector<JointVector> torque(data.runs[run].rows(), JointVector::Zero());
+      for (std::size_t k = 0; k < torque.size(); ++k) {
+        torque[k][axis] = probe.torque(row_of(data.runs[run], states[run], k, axis, scales));
+        power += torque[k][axis] * torque[k][axis];
+        rows += 1.0;
+      }
+      const Eigen::VectorXf x = torque_response(likelihood.tether(run), mobility[run],
+                                                data.period_s, torque, Likelihood::kSettling);
+      cross += (now.slopes[run].transpose() * x).cast<double>();
+      own += static_cast<double>(x.squaredNorm());
+      pull += static_cast<double>(x.dot(now.errors[run]));
+    }
+    const double before = own;
+    own -= cross.dot(known.solve(cross));
+    constexpr double kNew = 1e-3;  // share of a probe that the parameters must leave
+    Leftover& result = found[job];
+    result.axis = static_cast<std::size_t>(axis);
+    result.quantity = probe.quantity;
+    if (own < kNew * before) return;
+    result.gain = pull * pull / own;
+    result.amplitude = std::abs(pull / own) * std::sqrt(power / rows);
+  });
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Leftover& a, const Leftover& b) { return a.gain > b.gain; });
+  return found;
+}
+
+}  // namespace teleop

@@ -1,0 +1,234 @@
+#include "core/diagnosis/likelihood.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "core/diagnosis/parallel.hpp"
+#include "core/diagnosis/predictor.hpp"
+#include "core/effects/vocabulary.hpp"
+
+namespace teleop {
+namespace {
+
+constexpr double kBaseTolerance = 0.0029;  // of masses and inertias: ±0.5 %, evenly
+
+}  // namespace
+
+Likelihood::Likelihood(const DiagnosisCase& data, const ArmModel& arm, std::size_t threads)
+    : data_{&data}, arm_{arm}, prior_{arm, kBaseTolerance}, threads_{threads} {
+  set_noise(noise_);
+}
+
+void Likelihood::set_noise(const NoiseModel& noise) {
+  noise_ = noise;
+  std::vector<std::optional<Tether>> made(runs());
+  for_each_index(runs(), threads_, [&](std::size_t run) {
+    made[run].emplace(arm_, data_->runs[run], data_->period_s, noise);
+  });
+  tethers_.clear();
+  for (std::optional<Tether>& tether : made) {
+    if (tether) tethers_.push_back(std::move(*tether));
+  }
+}
+
+Eigen::VectorXf Likelihood::whitened(std::size_t run,
+                                     const MachineModel& model,
+                                     const Tether& tether) const {
+  const PlantTerms terms = terms_of(model.effects);
+  const ArmModel arm = prior_.arm(model.base);
+  const std::vector<JointVector> raw =
+      innovations({arm, terms}, data_->runs[run], data_->period_s, tether);
+  const std::size_t first = std::min(kSettling, raw.size());
+  Eigen::VectorXf result{static_cast<Eigen::Index>(3 * (raw.size() - first))};
+  for (std::size_t k = first; k < raw.size(); ++k) {
+    result.segment<3>(static_cast<Eigen::Index>(3 * (k - first))) =
+        (tether.steps()[k].whitening * raw[k]).cast<float>();
+  }
+  return result;
+}
+
+std::vector<JointVector> Likelihood::innovations_of(std::size_t run,
+                                                    const MachineModel& model) const {
+  const PlantTerms terms = terms_of(model.effects);
+  return innovations({prior_.arm(model.base), terms}, data_->runs[run], data_->period_s,
+                     tethers_[run]);
+}
+
+Eigen::VectorXf Likelihood::errors(std::size_t run, const MachineModel& model) const {
+  return whitened(run, model, tethers_[run]);
+}
+
+std::vector<PredictedState> Likelihood::states(std::size_t run, const MachineModel& model) const {
+  const PlantTerms terms = terms_of(model.effects);
+  const ArmModel arm = prior_.arm(model.base);
+  std::vector<PredictedState> all;
+  static_cast<void>(
+      innovations({arm, terms}, data_->runs[run], data_->period_s, tethers_[run], &all));
+  return all;
+}
+
+std::vector<Eigen::VectorXf> Likelihood::errors(const MachineModel& model) const {
+  std::vector<Eigen::VectorXf> all(runs());
+  for_each_index(runs(), threads_, [&](std::size_t run) { all[run] = errors(run, model); });
+  return all;
+}
+
+JointVector Likelihood::deviance(const MachineModel& model, const NoiseModel& noise) const {
+  std::vector<JointVector> parts(runs(), JointVector::Zero());
+  for_each_index(runs(), threads_, [&](std::size_t run) {
+    const Tether tether{arm_, data_->runs[run], data_->period_s, noise};
+    const Eigen::VectorXf w = whitened(run, model, tether);
+    JointVector sum = JointVector::Zero();
+    for (std::size_t k = kSettling; k < tether.steps().size(); ++k) {
+      const auto row = static_cast<Eigen::Index>(3 * (k - kSettling));
+      sum += w.segment<3>(row).cast<double>().cwiseAbs2() -
+             2.0 * tether.steps()[k].whitening.diagonal().array().log().matrix();
+    }
+    parts[run] = sum;
+  });
+  JointVector total = JointVector::Zero();
+  for (const JointVector& part : parts) {
+    total += part;
+  }
+  return total;
+}
+
+namespace {
+
+/// A member of NoiseModel and the range in which it is looked for.
+struct NoiseMember {
+  JointVector NoiseModel::* member;
+  double low;
+  double high;
+};
+
+constexpr std::array kMembers{
+    NoiseMember{&NoiseModel::white, 1e-5, 1e-2},
+    NoiseMember{&NoiseModel::coloured, 1e-5, 3e-2},
+    NoiseMember{&NoiseModel::reading, 1e-6, 1e-2},
+    NoiseMember{&NoiseModel::time_constant, 8e-3, 7e-2},
+};
+
+/// Innovations under one tether turned into those under another. With s the distance of the two
+/// filters' states: s⁺ = F (s + K e − K′ e′), e′ = e + s_q.
+class Refilter {
+ public:
+  Refilter(const Likelihood& likelihood, const MachineModel& model)
+      : likelihood_{&likelihood}, raw_(likelihood.runs()), mobility_(likelihood.runs()) {
+    for_each_index(raw_.size(), likelihood.threads(), [&](std::size_t run) {
+      raw_[run] = likelihood.innovations_of(run, model);
+      raw_[run].resize(std::min(raw_[run].size(), kRows));
+      mobility_[run] = mobilities(likelihood.arm(), likelihood.data().runs[run]);
+    });
+  }
+
+  /// −2 log L of each axis over the first rows of all runs.
+  [[nodiscard]] JointVector deviance(const NoiseModel& noise) const {
+    std::vector<JointVector> parts(raw_.size(), JointVector::Zero());
+    for_each_index(raw_.size(), likelihood_->threads(),
+                   [&](std::size_t run) { parts[run] = deviance_of(run, noise); });
+    JointVector total = JointVector::Zero();
+    for (const JointVector& part : parts) {
+      total += part;
+    }
+    return total;
+  }
+
+ private:
+  static constexpr std::size_t kRows = 4000;  // enough for a level within two percent
+
+  [[nodiscard]] JointVector deviance_of(std::size_t run, const NoiseModel& noise) const {
+    const Tether& before = likelihood_->tether(run);
+    const double h = likelihood_->data().period_s;
+    const std::size_t rows = raw_[run].size();
+    const Tether after{likelihood_->arm(), likelihood_->data().runs[run], h, noise, rows};
+    JointVector sum = JointVector::Zero();
+    JointVector q = JointVector::Zero();
+    JointVector qd = JointVector::Zero();
+    JointVector d_before = JointVector::Zero();
+    JointVector d_after = JointVector::Zero();
+    for (std::size_t k = 0; k < rows; ++k) {
+      const Tether::Step& old = before.steps()[k];
+      const Tether::Step& now = after.steps()[k];
+      const JointVector& e = raw_[run][k];
+      const JointVector other = e + q;
+      if (k >= Likelihood::kSettling) {
+        sum += (now.whitening * other).cwiseAbs2() -
+               2.0 * now.whitening.diagonal().array().log().matrix();
+      }
+      q += old.position * e - now.position * other;
+      qd += old.velocity * e - now.velocity * other;
+      d_before += old.disturbance * e;
+      d_after += now.disturbance * other;
+      const JointVector jump = h * (mobility_[run][k] * (d_before - d_after));
+      q += h * (qd + jump / 2.0);
+      qd += jump;
+      d_before = before.memory().cwiseProduct(d_before);
+      d_after = after.memory().cwiseProduct(d_after);
+    }
+    return sum;
+  }
+
+  const Likelihood* likelihood_;
+  std::vector<std::vector<JointVector>> raw_;
+  std::vector<std::vector<JointMatrix>> mobility_;
+};
+
+}  // namespace
+
+/// Parabolas through three places in one member at a time, of all axes at once: axes are told
+/// apart by their own share of the likelihood.
+NoiseModel fit_noise(const Likelihood& likelihood,
+                     const MachineModel& model,
+                     const NoiseModel& start) {
+  constexpr int kSweeps = 6;
+  const Refilter refilter{likelihood, model};
+  NoiseModel best = start;
+  JointVector best_value = refilter.deviance(best);
+  std::array<JointVector, kMembers.size()> width;
+  width.fill(JointVector::Constant(0.4));  // in the logarithm
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    const double before = best_value.sum();
+    for (std::size_t m = 0; m < kMembers.size(); ++m) {
+      const NoiseMember& member = kMembers[m];
+      const JointVector centre = best.*member.member;
+      const auto at = [&](const JointVector& by) {
+        NoiseModel other = best;
+        other.*member.member =
+            (centre.array() * by.array().exp()).cwiseMax(member.low).cwiseMin(member.high).matrix();
+        return other;
+      };
+      const NoiseModel lower = at(-width[m]);
+      const NoiseModel upper = at(width[m]);
+      const JointVector low = refilter.deviance(lower);
+      const JointVector high = refilter.deviance(upper);
+      JointVector step;
+      for (Eigen::Index i = 0; i < step.size(); ++i) {
+        const double w = width[m][i];
+        const double bend = low[i] + high[i] - 2.0 * best_value[i];
+        const double tilt = (high[i] - low[i]) / 2.0;
+        step[i] = bend > 0.0 ? std::clamp(-tilt / bend * w, -2.0 * w, 2.0 * w)
+                             : (low[i] < high[i] ? -w : w);
+      }
+      const NoiseModel trial = at(step);
+      const JointVector value = refilter.deviance(trial);
+      for (Eigen::Index i = 0; i < step.size(); ++i) {
+        const auto take = [&](const NoiseModel& other, double other_value) {
+          if (other_value >= best_value[i]) return;
+          (best.*member.member)[i] = (other.*member.member)[i];
+          best_value[i] = other_value;
+        };
+        take(lower, low[i]);
+        take(upper, high[i]);
+        take(trial, value[i]);
+        width[m][i] = std::clamp(std::abs(step[i]), 0.05, 0.4);
+      }
+    }
+    if (before - best_value.sum() < 1.0) break;
+  }
+  return best;
+}
+
+}  // namespace teleop

@@ -1,0 +1,140 @@
+#include "core/diagnosis/predictor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+#include "core/simulation/plant.hpp"
+
+namespace teleop {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+/// Readings of the drives' angles without counting them.
+class ExactReading {
+ public:
+  ExactReading(const PlantTerms& terms, const JointVector& m, const JointVector& md)
+      : terms_{&terms} {
+    const bool simple = std::all_of(
+        terms.sensing.begin(), terms.sensing.end(),
+        [](const SensingTerms& axis) { return axis.delay == 0.0 && axis.tendon_stiffness == 0.0; });
+    constexpr double kFine = 1e6;  // counts a turn: their edges are not looked at
+    if (!simple) late_.emplace(terms.sensing, JointVector::Constant(kFine), m, md);
+  }
+
+  [[nodiscard]] Sensing* observer() noexcept { return late_ ? &*late_ : nullptr; }
+
+  [[nodiscard]] JointVector of(const JointVector& m) const noexcept {
+    if (late_) return late_->exact_angles();
+    JointVector y = m;
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      const auto axis = static_cast<Eigen::Index>(i);
+      const SensingTerms& sensing = terms_->sensing[i];
+      y[axis] *= sensing.scale;
+      for (const AngleWave& wave : sensing.waves) {
+        y[axis] += wave.amplitude * std::sin(wave.frequency * m[axis] + wave.phase);
+      }
+    }
+    return y;
+  }
+
+  /// A state whose reading is y, about.
+  [[nodiscard]] JointVector angle_of(const JointVector& y) const noexcept {
+    JointVector m = y;
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      const auto axis = static_cast<Eigen::Index>(i);
+      const SensingTerms& sensing = terms_->sensing[i];
+      for (int pass = 0; pass < 3; ++pass) {
+        double waves = 0.0;
+        for (const AngleWave& wave : sensing.waves) {
+          waves += wave.amplitude * std::sin(wave.frequency * m[axis] + wave.phase);
+        }
+        m[axis] = (y[axis] - waves) / sensing.scale;
+      }
+    }
+    return m;
+  }
+
+ private:
+  const PlantTerms* terms_;
+  std::optional<Sensing> late_;
+};
+
+/// The true sample period.
+std::int64_t sample_ns(double period_s, const PlantTerms& terms) {
+  return std::llround(period_s * terms.time_ratio * 1e9);
+}
+
+/// Speed at the start from the first readings, by a straight line.
+JointVector start_speed(const Recording& run, double period_s) {
+  constexpr std::size_t kReadings = 8;
+  const std::size_t n = std::min(kReadings, run.rows());
+  if (n < 2) return JointVector::Zero();
+  const double middle = static_cast<double>(n - 1) / 2.0;
+  JointVector slope = JointVector::Zero();
+  double weight = 0.0;
+  for (std::size_t k = 0; k < n; ++k) {
+    const double x = static_cast<double>(k) - middle;
+    slope += x * run.q[k];
+    weight += x * x;
+  }
+  return slope / (weight * period_s);
+}
+
+}  // namespace
+
+std::vector<JointVector> innovations(const PredictorModel& model,
+                                     const Recording& run,
+                                     double period_s,
+                                     const Tether& tether,
+                                     std::vector<PredictedState>* states) {
+  const PlantTerms& terms = model.terms;
+  const ExactReading plain{terms, JointVector::Zero(), JointVector::Zero()};
+  const JointVector q0 = plain.angle_of(run.q.front());
+  const JointVector qd0 = start_speed(run, period_s);
+  Plant plant{model.arm,
+              {.terms = terms,
+               .stops = false,
+               .max_step = Duration{sample_ns(period_s, terms)},
+               .q = q0,
+               .qd = qd0}};
+  ExactReading reading{terms, q0, qd0};
+  constexpr double kFastest = 1500.0;  // 1/s: what is faster cannot be told from what is rigid
+  if (plant.fastest_rate() > kFastest) {
+    return std::vector(run.rows(), JointVector{JointVector::Constant(kNone)});
+  }
+  const Duration sample{sample_ns(period_s, terms)};
+  std::vector<JointVector> result;
+  result.reserve(run.rows());
+  if (states != nullptr) states->clear();
+  JointVector d = JointVector::Zero();
+  for (std::size_t k = 0; k < run.rows(); ++k) {
+    const Tether::Step& step = tether.steps()[k];
+    const JointVector e = run.q[k] - reading.of(plant.drive_q());
+    constexpr double kLost = 10.0;  // rad: the model runs away from the recording
+    if (!(e.cwiseAbs().maxCoeff() < kLost)) {
+      result.resize(run.rows(), JointVector{JointVector::Constant(kNone)});
+      break;
+    }
+    result.push_back(e);
+    if (states != nullptr) states->push_back({plant.drive_q(), plant.drive_qd(), d});
+    JointVector dv = step.velocity * e;
+    const SlidingModes& modes = plant.sliding();
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      if (modes[i] == Sliding::stuck) dv[static_cast<Eigen::Index>(i)] = 0.0;
+    }
+    plant.shift(step.position * e, dv);
+    d += step.disturbance * e;
+    const JointVector extra = run.contact.empty() ? d : JointVector{d - run.contact[k]};
+    plant.set_disturbance(extra);
+    plant.set_torque(run.tau[k]);
+    d = tether.memory().cwiseProduct(d);
+    plant.advance(sample, reading.observer());
+  }
+  return result;
+}
+
+}  // namespace teleop

@@ -1,0 +1,229 @@
+#include "core/diagnosis/search.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "core/base/error.hpp"
+#include "core/effects/vocabulary.hpp"
+
+namespace teleop {
+namespace {
+
+constexpr double kParameterCost = 11.0;  // about the logarithm of the number of samples
+constexpr double kEffectCost = 10.0;     // twice that of the number of places to look at
+constexpr std::size_t kFitted = 8;       // candidates of a screening that are fitted
+constexpr std::size_t kWeighed = 4;      // and of these, those whose noise is fitted too
+constexpr double kLeastShare = 0.1;      // of the best gain, for a candidate to be fitted
+constexpr double kWorthAFit = 12.0;
+
+std::string name_of(const EffectSpec& effect) {
+  std::string name = effect.kind;
+  if (effect.axis) name += fmt::format(" {}", *effect.axis + 1);
+  return name;
+}
+
+/// Effects of one family do the same thing: on one axis they stand for each other.
+bool same_family(const EffectSpec& a, const EffectSpec& b) {
+  constexpr std::array<std::string_view, 3> kDry{"coulomb_friction", "stribeck_friction",
+                                                 "presliding_hysteresis"};
+  const auto dry = [&](const EffectSpec& effect) {
+    return std::find(kDry.begin(), kDry.end(), effect.kind) != kDry.end();
+  };
+  return a.axis == b.axis && (a.kind == b.kind || (dry(a) && dry(b)));
+}
+
+/// The same effect apart from the values that a fit finds.
+bool same_place(const EffectSpec& a, const EffectSpec& b) {
+  if (a.kind != b.kind || a.axis != b.axis) return false;
+  for (const EffectParameter& parameter : find_effect(a.kind).parameters) {
+    if (parameter.role != EffectParameter::Role::given) continue;
+    const std::string name{parameter.name};
+    const auto one = a.parameters.find(name);
+    const auto other = b.parameters.find(name);
+    if (one == a.parameters.end() || other == b.parameters.end()) continue;
+    if (one->second != other->second) return false;
+  }
+  return true;
+}
+
+/// The best trial of each place, best first.
+std::vector<Candidate> promising(const std::vector<Candidate>& screened,
+                                 const std::vector<EffectSpec>& present) {
+  std::vector<Candidate> few;
+  for (const Candidate& candidate : screened) {
+    if (few.size() >= kFitted || candidate.gain < kWorthAFit) break;
+    if (!few.empty() && candidate.gain < kLeastShare * few.front().gain) break;
+    const auto is_there = [&](const EffectSpec& other) {
+      return same_family(other, candidate.effect);
+    };
+    if (std::any_of(present.begin(), present.end(), is_there)) continue;
+    const auto known = [&](const Candidate& other) {
+      return same_place(other.effect, candidate.effect);
+    };
+    if (std::none_of(few.begin(), few.end(), known)) few.push_back(candidate);
+  }
+  return few;
+}
+
+class Search {
+ public:
+  Search(Likelihood& likelihood, const SearchOptions& options)
+      : likelihood_{&likelihood},
+        options_{&options},
+        use_{use_of(likelihood.data(), likelihood.arm())} {}
+
+  SearchResult run() {
+    say("noise");
+    NoiseModel start;
+    start.reading = likelihood_->data().resolution.cwiseMax(1e-9) / std::sqrt(12.0);
+    SearchResult result;
+    result.nominal = weigh({}, fit_noise(*likelihood_, {}, start));
+    Explanation best = result.nominal;
+    std::vector<Explanation> rivals;
+    while (best.fit.model.effects.size() < options_->most_effects) {
+      std::vector<Explanation> next = extended(best);
+      // What does not help to predict the other runs is not there.
+      std::erase_if(next, [&](const Explanation& each) {
+        return !(each.left_out < best.left_out - options_->least_gain) ||
+               each.score() > best.score() - options_->least_gain;
+      });
+      if (next.empty()) break;
+      best = next.front();
+      rivals = std::move(next);
+      say(fmt::format("found {}", name_of(best.fit.model.effects.back())));
+    }
+    result.best = best;
+    describe(result, rivals);
+    return result;
+  }
+
+ private:
+  void say(const std::string& text) const {
+    if (options_->progress) options_->progress(text);
+  }
+
+  /// Fit and noise, in turn.
+  Explanation weigh(const MachineModel& start, const NoiseModel& noise) {
+    Explanation result;
+    likelihood_->set_noise(noise);
+    base_ = base_columns(*likelihood_, start);
+    result.fit = fit(*likelihood_, base_, start, {.slopes = false});
+    result.noise = fit_noise(*likelihood_, result.fit.model, noise);
+    likelihood_->set_noise(result.noise);
+    base_ = base_columns(*likelihood_, result.fit.model);
+    result.fit = fit(*likelihood_, base_, result.fit.model);
+    result.deviance = likelihood_->deviance(result.fit.model, result.noise).sum() +
+                      result.fit.model.base.squaredNorm();
+    const std::vector<double> apart = result.fit.left_out();
+    result.left_out =
+        result.deviance - result.fit.chi2 + std::accumulate(apart.begin(), apart.end(), 0.0);
+    return result;
+  }
+
+  /// The model with one effect more, in several ways, the best first.
+  std::vector<Explanation> extended(const Explanation& now) {
+    likelihood_->set_noise(now.noise);
+    say("screening");
+    const std::vector<Candidate> few =
+        promising(screen(*likelihood_, now.fit, use_), now.fit.model.effects);
+    const BaseColumns base = base_columns(*likelihood_, now.fit.model);
+    std::vector<Fit> fits;
+    for (const Candidate& candidate : few) {
+      say(fmt::format("fitting {}", name_of(candidate.effect)));
+      MachineModel model = now.fit.model;
+      model.effects.push_back(candidate.effect);
+      Fit trial = fit(*likelihood_, base, model, {.iterations = 8, .slopes = false});
+      if (std::isfinite(trial.chi2)) fits.push_back(std::move(trial));
+    }
+    const auto cost = [](const Fit& each) {
+      return each.chi2 + kParameterCost * static_cast<double>(each.free.size());
+    };
+    std::stable_sort(fits.begin(), fits.end(),
+                     [&](const Fit& a, const Fit& b) { return cost(a) < cost(b); });
+    if (fits.size() > kWeighed) fits.resize(kWeighed);
+    std::vector<Explanation> next;
+    for (const Fit& each : fits) {
+      say(fmt::format("weighing {}", name_of(each.model.effects.back())));
+      Explanation weighed = weigh(each.model, now.noise);
+      if (std::isfinite(weighed.deviance)) next.push_back(std::move(weighed));
+    }
+    std::stable_sort(next.begin(), next.end(), [](const Explanation& a, const Explanation& b) {
+      return a.score() < b.score();
+    });
+    return next;
+  }
+
+  /// What each effect is worth, its rivals and its parameters' uncertainty.
+  void describe(SearchResult& result, const std::vector<Explanation>& last_rivals) {
+    std::vector<EffectSpec> effects = result.best.fit.model.effects;
+    for (std::size_t i = 0; i < effects.size(); ++i) {
+      NamedEffect named;
+      std::vector<Explanation> rivals;
+      if (effects.size() == 1) {
+        rivals = last_rivals;
+        named.gain = result.nominal.score() - result.best.score();
+      } else {
+        MachineModel without = result.best.fit.model;
+        without.effects.erase(without.effects.begin() + static_cast<std::ptrdiff_t>(i));
+        say(fmt::format("without {}", name_of(effects[i])));
+        const Explanation rest = weigh(without, result.best.noise);
+        named.gain = rest.score() - result.best.score();
+        rivals = extended(rest);
+        if (!rivals.empty() && rivals.front().score() < result.best.score() - 1.0) {
+          say(fmt::format("{} stands in for {}", name_of(rivals.front().fit.model.effects.back()),
+                          name_of(effects[i])));
+          result.best = rivals.front();
+          // The newcomer came last: it takes the place of the one it replaces.
+          std::vector<EffectSpec>& order = result.best.fit.model.effects;
+          std::rotate(order.begin() + static_cast<std::ptrdiff_t>(i), order.end() - 1, order.end());
+          effects = order;
+          result.best = weigh(result.best.fit.model, result.best.noise);
+        }
+      }
+      for (const Explanation& rival : rivals) {
+        const EffectSpec& other = rival.fit.model.effects.back();
+        if (same_place(other, effects[i])) continue;
+        named.rivals.push_back({.effect = other, .behind = rival.score() - result.best.score()});
+      }
+      named.effect = effects[i];
+      result.effects.push_back(std::move(named));
+    }
+    likelihood_->set_noise(result.best.noise);
+    const Eigen::VectorXd all = result.best.fit.deviations();
+    for (std::size_t i = 0; i < result.effects.size(); ++i) {
+      NamedEffect& named = result.effects[i];
+      named.effect = result.best.fit.model.effects[i];
+      std::vector<double> own;
+      for (std::size_t j = 0; j < result.best.fit.free.size(); ++j) {
+        if (result.best.fit.free[j].effect != i) continue;
+        named.free.push_back(result.best.fit.free[j]);
+        own.push_back(all[static_cast<Eigen::Index>(j)]);
+      }
+      named.deviations =
+          Eigen::Map<const Eigen::VectorXd>{own.data(), static_cast<Eigen::Index>(own.size())};
+    }
+  }
+
+  Likelihood* likelihood_;
+  const SearchOptions* options_;
+  MachineUse use_;
+  BaseColumns base_;
+};
+
+}  // namespace
+
+double Explanation::score() const {
+  return deviance + kParameterCost * static_cast<double>(fit.free.size()) +
+         kEffectCost * static_cast<double>(fit.model.effects.size());
+}
+
+SearchResult search(Likelihood& likelihood, const SearchOptions& options) {
+  return Search{likelihood, options}.run();
+}
+
+}  // namespace teleop
