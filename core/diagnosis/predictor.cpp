@@ -1,11 +1,16 @@
 #include "core/diagnosis/predictor.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
 
+#include <Eigen/LU>
+
+#include "core/diagnosis/drive_tether.hpp"
+#include "core/model/dynamics.hpp"
 #include "core/simulation/plant.hpp"
 
 namespace teleop {
@@ -84,6 +89,58 @@ JointVector start_speed(const Recording& run, double period_s) {
   return slope / (weight * period_s);
 }
 
+/// Gains of the axes whose transmission gives way, at the middle posture of the run.
+std::array<DriveGains, kJoints> drive_gains(const PredictorModel& model,
+                                            const Recording& run,
+                                            double period_s,
+                                            const Tether& tether) {
+  std::array<DriveGains, kJoints> gains{};
+  const JointMatrix W = mass_matrix(model.arm, run.q[run.rows() / 2]).inverse();
+  const NoiseModel& noise = tether.noise();
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    const Transmission& transmission = model.terms.transmission[i];
+    const AxisNoise own{.white = noise.white[axis],
+                        .coloured = noise.coloured[axis],
+                        .memory = tether.memory()[axis],
+                        .reading = noise.reading[axis]};
+    if (transmission.kind == Transmission::Kind::compliant) {
+      const double link = 1.0 / W(axis, axis) - transmission.drive_inertia;
+      gains[i] = elastic_gains(transmission, std::max(link, 1e-2 / W(axis, axis)), period_s, own);
+    } else if (transmission.kind == Transmission::Kind::play) {
+      gains[i] = free_gains(transmission, period_s, own);
+    }
+  }
+  return gains;
+}
+
+/// Moves the plant towards the reading; returns what the disturbances become more, N m.
+JointVector correct(Plant& plant,
+                    const Tether::Step& step,
+                    const std::array<DriveGains, kJoints>& drives,
+                    const JointVector& e) {
+  Plant::Shift shift{.q = step.position * e, .qd = step.velocity * e};
+  JointVector d = step.disturbance * e;
+  const SlidingModes& modes = plant.sliding();
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    if (plant.is_split(i)) {
+      shift.q[axis] = drives[i].q * e[axis];
+      shift.qd[axis] = drives[i].qd * e[axis];
+      shift.m[axis] = drives[i].m * e[axis];
+      shift.md[axis] = drives[i].md * e[axis];
+      d[axis] = drives[i].d * e[axis];
+    }
+    // Friction holds the joint: it is at rest, whatever the noise of the readings.
+    if (modes[i] == Sliding::stuck) {
+      shift.md[axis] = 0.0;
+      if (!plant.is_split(i)) shift.qd[axis] = 0.0;
+    }
+  }
+  plant.shift(shift);
+  return d;
+}
+
 }  // namespace
 
 std::vector<JointVector> innovations(const PredictorModel& model,
@@ -110,24 +167,21 @@ std::vector<JointVector> innovations(const PredictorModel& model,
   std::vector<JointVector> result;
   result.reserve(run.rows());
   if (states != nullptr) states->clear();
+  const std::array<DriveGains, kJoints> drives = drive_gains(model, run, period_s, tether);
   JointVector d = JointVector::Zero();
   for (std::size_t k = 0; k < run.rows(); ++k) {
     const Tether::Step& step = tether.steps()[k];
     const JointVector e = run.q[k] - reading.of(plant.drive_q());
     constexpr double kLost = 10.0;  // rad: the model runs away from the recording
-    if (!(e.cwiseAbs().maxCoeff() < kLost)) {
+    constexpr std::uint64_t kBusy = 4;  // events a sample, on average
+    const bool rattles = plant.events() > 1000 + kBusy * k;
+    if (!(e.cwiseAbs().maxCoeff() < kLost) || rattles) {
       result.resize(run.rows(), JointVector{JointVector::Constant(kNone)});
       break;
     }
     result.push_back(e);
     if (states != nullptr) states->push_back({plant.drive_q(), plant.drive_qd(), d});
-    JointVector dv = step.velocity * e;
-    const SlidingModes& modes = plant.sliding();
-    for (std::size_t i = 0; i < kJoints; ++i) {
-      if (modes[i] == Sliding::stuck) dv[static_cast<Eigen::Index>(i)] = 0.0;
-    }
-    plant.shift(step.position * e, dv);
-    d += step.disturbance * e;
+    d += correct(plant, step, drives, e);
     const JointVector extra = run.contact.empty() ? d : JointVector{d - run.contact[k]};
     plant.set_disturbance(extra);
     plant.set_torque(run.tau[k]);

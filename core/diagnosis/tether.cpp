@@ -90,7 +90,8 @@ Tether::Tether(const ArmModel& arm,
                double period_s,
                const NoiseModel& noise,
                std::size_t rows)
-    : memory_{(-period_s * noise.time_constant.cwiseInverse()).array().exp().matrix()} {
+    : noise_{noise},
+      memory_{(-period_s * noise.time_constant.cwiseInverse()).array().exp().matrix()} {
   const JointVector reading = noise.reading.cwiseAbs2();
   const JointVector white = noise.white.cwiseAbs2();
   const JointVector coloured = noise.coloured.cwiseAbs2();

@@ -34,9 +34,11 @@ class Tether {
          std::size_t rows = 0);
 
   [[nodiscard]] const std::vector<Step>& steps() const noexcept { return steps_; }
+  [[nodiscard]] const NoiseModel& noise() const noexcept { return noise_; }
   [[nodiscard]] const JointVector& memory() const noexcept { return memory_; }  ///< φ
 
  private:
+  NoiseModel noise_;
   std::vector<Step> steps_;
   JointVector memory_;
 };

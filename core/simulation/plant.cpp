@@ -55,13 +55,31 @@ void Plant::set_disturbance(const JointVector& torque) noexcept {
   torque_is_new_ = true;
 }
 
-void Plant::shift(const JointVector& q, const JointVector& qd) noexcept {
-  expects(q.allFinite() && qd.allFinite(), "a shift is finite");
-  q_ += q;
-  m_ += q;
-  qd_ += qd;
-  md_ += qd;
+void Plant::shift(const Shift& by) noexcept {
+  expects(by.q.allFinite() && by.qd.allFinite() && by.m.allFinite() && by.md.allFinite(),
+          "a shift is finite");
   shifted_ = true;
+  q_ += by.q;
+  qd_ += by.qd;
+  if (!splits_) {
+    m_ = q_;
+    md_ = qd_;
+    return;
+  }
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    if (!separate(i)) {
+      m_[axis] += by.q[axis];
+      md_[axis] = qd_[axis];
+      continue;
+    }
+    m_[axis] += by.m[axis];
+    md_[axis] += by.md[axis];
+    const Transmission& transmission = config_.terms.transmission[i];
+    if (transmission.kind != Transmission::Kind::play) continue;
+    const double room = transmission.gap / 2.0;
+    q_[axis] = std::clamp(q_[axis], m_[axis] - room, m_[axis] + room);
+  }
 }
 
 /// One step of Runge–Kutta from the present state; its first stage is the present look.

@@ -69,9 +69,19 @@ class Plant {
   /// Torques on the drives that no command asks for, held until the next call, N m. @pre finite
   void set_disturbance(const JointVector& torque) noexcept;
 
-  /// Moves links and drives by so much at once, as an observer does that follows a recording.
-  /// @pre finite
-  void shift(const JointVector& q, const JointVector& qd) noexcept;
+  /// A jump of the state. Where nothing gives way, drives go with their links.
+  struct Shift {
+    JointVector q = JointVector::Zero();
+    JointVector qd = JointVector::Zero();
+    JointVector m = JointVector::Zero();
+    JointVector md = JointVector::Zero();
+  };
+  /// Moves the arm at once, as an observer does that follows a recording. Where a play ends, the
+  /// drive takes its link along. @pre finite
+  void shift(const Shift& by) noexcept;
+
+  /// The drive of the axis moves apart from its link.
+  [[nodiscard]] bool is_split(std::size_t axis) const noexcept { return separate(axis); }
 
   /// Lets time pass. `sensing`, if given, sees every piece of the motion.
   void advance(Duration span, Sensing* sensing = nullptr) noexcept;
