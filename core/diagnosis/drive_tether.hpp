@@ -11,7 +11,8 @@ struct DriveGains {
   double md = 0.0;  ///< rad/s per rad
   double q = 0.0;
   double qd = 0.0;
-  double d = 0.0;  ///< N m per rad
+  double d = 0.0;          ///< N m per rad
+  double deviation = 0.0;  ///< of the innovations, rad
 };
 
 /// Noise of one axis.

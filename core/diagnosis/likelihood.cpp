@@ -35,25 +35,34 @@ void Likelihood::set_noise(const NoiseModel& noise) {
 
 Eigen::VectorXf Likelihood::whitened(std::size_t run,
                                      const MachineModel& model,
-                                     const Tether& tether) const {
+                                     const Tether& tether,
+                                     JointVector* volume) const {
   const PlantTerms terms = terms_of(model.effects);
   const ArmModel arm = prior_.arm(model.base);
-  const std::vector<JointVector> raw =
-      innovations({arm, terms}, data_->runs[run], data_->period_s, tether);
+  const Prediction prediction = predict({arm, terms}, data_->runs[run], data_->period_s, tether);
+  const std::vector<JointVector>& raw = prediction.innovations;
   const std::size_t first = std::min(kSettling, raw.size());
   Eigen::VectorXf result{static_cast<Eigen::Index>(3 * (raw.size() - first))};
+  if (volume != nullptr) *volume = JointVector::Zero();
   for (std::size_t k = first; k < raw.size(); ++k) {
-    result.segment<3>(static_cast<Eigen::Index>(3 * (k - first))) =
-        (tether.steps()[k].whitening * raw[k]).cast<float>();
+    const JointMatrix& whitening = tether.steps()[k].whitening;
+    JointVector w = whitening * raw[k];
+    JointVector scale = whitening.diagonal();
+    for (Eigen::Index i = 0; !prediction.apart.empty() && i < w.size(); ++i) {
+      const double deviation = prediction.apart[k][i];
+      if (deviation <= 0.0) continue;
+      w[i] = raw[k][i] / deviation;
+      scale[i] = 1.0 / deviation;
+    }
+    result.segment<3>(static_cast<Eigen::Index>(3 * (k - first))) = w.cast<float>();
+    if (volume != nullptr) *volume -= 2.0 * scale.array().log().matrix();
   }
   return result;
 }
 
-std::vector<JointVector> Likelihood::innovations_of(std::size_t run,
-                                                    const MachineModel& model) const {
+Prediction Likelihood::prediction(std::size_t run, const MachineModel& model) const {
   const PlantTerms terms = terms_of(model.effects);
-  return innovations({prior_.arm(model.base), terms}, data_->runs[run], data_->period_s,
-                     tethers_[run]);
+  return predict({prior_.arm(model.base), terms}, data_->runs[run], data_->period_s, tethers_[run]);
 }
 
 Eigen::VectorXf Likelihood::errors(std::size_t run, const MachineModel& model) const {
@@ -64,8 +73,7 @@ std::vector<PredictedState> Likelihood::states(std::size_t run, const MachineMod
   const PlantTerms terms = terms_of(model.effects);
   const ArmModel arm = prior_.arm(model.base);
   std::vector<PredictedState> all;
-  static_cast<void>(
-      innovations({arm, terms}, data_->runs[run], data_->period_s, tethers_[run], &all));
+  static_cast<void>(predict({arm, terms}, data_->runs[run], data_->period_s, tethers_[run], &all));
   return all;
 }
 
@@ -79,13 +87,10 @@ JointVector Likelihood::deviance(const MachineModel& model, const NoiseModel& no
   std::vector<JointVector> parts(runs(), JointVector::Zero());
   for_each_index(runs(), threads_, [&](std::size_t run) {
     const Tether tether{arm_, data_->runs[run], data_->period_s, noise};
-    const Eigen::VectorXf w = whitened(run, model, tether);
     JointVector sum = JointVector::Zero();
-    for (std::size_t k = kSettling; k < tether.steps().size(); ++k) {
-      const auto row = static_cast<Eigen::Index>(3 * (k - kSettling));
-      sum += w.segment<3>(row).cast<double>().cwiseAbs2() -
-             2.0 * tether.steps()[k].whitening.diagonal().array().log().matrix();
-    }
+    const Eigen::VectorXf w = whitened(run, model, tether, &sum);
+    const Eigen::Map<const Eigen::Matrix<float, 3, Eigen::Dynamic>> axes{w.data(), 3, w.size() / 3};
+    sum += axes.cast<double>().rowwise().squaredNorm();
     parts[run] = sum;
   });
   JointVector total = JointVector::Zero();
@@ -111,6 +116,12 @@ constexpr std::array kMembers{
     NoiseMember{&NoiseModel::time_constant, 8e-3, 7e-2},
 };
 
+bool is_rigid(const PlantTerms& terms) {
+  return std::all_of(
+      terms.transmission.begin(), terms.transmission.end(),
+      [](const Transmission& each) { return each.kind == Transmission::Kind::rigid; });
+}
+
 /// Innovations under one tether turned into those under another. With s the distance of the two
 /// filters' states: s⁺ = F (s + K e − K′ e′), e′ = e + s_q.
 class Refilter {
@@ -118,7 +129,7 @@ class Refilter {
   Refilter(const Likelihood& likelihood, const MachineModel& model)
       : likelihood_{&likelihood}, raw_(likelihood.runs()), mobility_(likelihood.runs()) {
     for_each_index(raw_.size(), likelihood.threads(), [&](std::size_t run) {
-      raw_[run] = likelihood.innovations_of(run, model);
+      raw_[run] = likelihood.prediction(run, model).innovations;
       raw_[run].resize(std::min(raw_[run].size(), kRows));
       mobility_[run] = mobilities(likelihood.arm(), likelihood.data().runs[run]);
     });
@@ -184,9 +195,14 @@ NoiseModel fit_noise(const Likelihood& likelihood,
                      const MachineModel& model,
                      const NoiseModel& start) {
   constexpr int kSweeps = 6;
+  // Drives that move apart from their links are not in the linear model.
+  const bool rigid = is_rigid(terms_of(model.effects));
   const Refilter refilter{likelihood, model};
+  const auto deviance_of = [&](const NoiseModel& noise) {
+    return rigid ? refilter.deviance(noise) : likelihood.deviance(model, noise);
+  };
   NoiseModel best = start;
-  JointVector best_value = refilter.deviance(best);
+  JointVector best_value = deviance_of(best);
   std::array<JointVector, kMembers.size()> width;
   width.fill(JointVector::Constant(0.4));  // in the logarithm
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -202,8 +218,8 @@ NoiseModel fit_noise(const Likelihood& likelihood,
       };
       const NoiseModel lower = at(-width[m]);
       const NoiseModel upper = at(width[m]);
-      const JointVector low = refilter.deviance(lower);
-      const JointVector high = refilter.deviance(upper);
+      const JointVector low = deviance_of(lower);
+      const JointVector high = deviance_of(upper);
       JointVector step;
       for (Eigen::Index i = 0; i < step.size(); ++i) {
         const double w = width[m][i];
@@ -213,7 +229,7 @@ NoiseModel fit_noise(const Likelihood& likelihood,
                              : (low[i] < high[i] ? -w : w);
       }
       const NoiseModel trial = at(step);
-      const JointVector value = refilter.deviance(trial);
+      const JointVector value = deviance_of(trial);
       for (Eigen::Index i = 0; i < step.size(); ++i) {
         const auto take = [&](const NoiseModel& other, double other_value) {
           if (other_value >= best_value[i]) return;

@@ -46,9 +46,8 @@ class Likelihood {
   /// Whitened innovations of a run, axis after axis within a sample.
   [[nodiscard]] Eigen::VectorXf errors(std::size_t run, const MachineModel& model) const;
 
-  /// Innovations of a run, rad.
-  [[nodiscard]] std::vector<JointVector> innovations_of(std::size_t run,
-                                                        const MachineModel& model) const;
+  /// Innovations of a run before they are whitened.
+  [[nodiscard]] Prediction prediction(std::size_t run, const MachineModel& model) const;
 
   /// What the tethered simulation goes through.
   [[nodiscard]] std::vector<PredictedState> states(std::size_t run,
@@ -62,9 +61,11 @@ class Likelihood {
   [[nodiscard]] JointVector deviance(const MachineModel& model, const NoiseModel& noise) const;
 
  private:
+  /// −2 log of the volume of each axis goes to `volume` where that is given.
   [[nodiscard]] Eigen::VectorXf whitened(std::size_t run,
                                          const MachineModel& model,
-                                         const Tether& tether) const;
+                                         const Tether& tether,
+                                         JointVector* volume = nullptr) const;
 
   const DiagnosisCase* data_;
   ArmModel arm_;

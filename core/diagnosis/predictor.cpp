@@ -114,6 +114,12 @@ std::array<DriveGains, kJoints> drive_gains(const PredictorModel& model,
   return gains;
 }
 
+bool gives_way(const PlantTerms& terms) {
+  return std::any_of(
+      terms.transmission.begin(), terms.transmission.end(),
+      [](const Transmission& each) { return each.kind != Transmission::Kind::rigid; });
+}
+
 /// Moves the plant towards the reading; returns what the disturbances become more, N m.
 JointVector correct(Plant& plant,
                     const Tether::Step& step,
@@ -143,11 +149,11 @@ JointVector correct(Plant& plant,
 
 }  // namespace
 
-std::vector<JointVector> innovations(const PredictorModel& model,
-                                     const Recording& run,
-                                     double period_s,
-                                     const Tether& tether,
-                                     std::vector<PredictedState>* states) {
+Prediction predict(const PredictorModel& model,
+                   const Recording& run,
+                   double period_s,
+                   const Tether& tether,
+                   std::vector<PredictedState>* states) {
   const PlantTerms& terms = model.terms;
   const ExactReading plain{terms, JointVector::Zero(), JointVector::Zero()};
   const JointVector q0 = plain.angle_of(run.q.front());
@@ -161,25 +167,30 @@ std::vector<JointVector> innovations(const PredictorModel& model,
   ExactReading reading{terms, q0, qd0};
   constexpr double kFastest = 1500.0;  // 1/s: what is faster cannot be told from what is rigid
   if (plant.fastest_rate() > kFastest) {
-    return std::vector(run.rows(), JointVector{JointVector::Constant(kNone)});
+    return {.innovations = std::vector(run.rows(), JointVector{JointVector::Constant(kNone)})};
   }
   const Duration sample{sample_ns(period_s, terms)};
-  std::vector<JointVector> result;
-  result.reserve(run.rows());
+  Prediction result;
+  result.innovations.reserve(run.rows());
+  const bool splits = gives_way(terms);
+  if (splits) result.apart.assign(run.rows(), JointVector::Zero());
   if (states != nullptr) states->clear();
   const std::array<DriveGains, kJoints> drives = drive_gains(model, run, period_s, tether);
   JointVector d = JointVector::Zero();
   for (std::size_t k = 0; k < run.rows(); ++k) {
     const Tether::Step& step = tether.steps()[k];
     const JointVector e = run.q[k] - reading.of(plant.drive_q());
-    constexpr double kLost = 10.0;  // rad: the model runs away from the recording
+    constexpr double kLost = 10.0;      // rad: the model runs away from the recording
     constexpr std::uint64_t kBusy = 4;  // events a sample, on average
     const bool rattles = plant.events() > 1000 + kBusy * k;
     if (!(e.cwiseAbs().maxCoeff() < kLost) || rattles) {
-      result.resize(run.rows(), JointVector{JointVector::Constant(kNone)});
+      result.innovations.resize(run.rows(), JointVector{JointVector::Constant(kNone)});
       break;
     }
-    result.push_back(e);
+    result.innovations.push_back(e);
+    for (std::size_t i = 0; splits && i < kJoints; ++i) {
+      if (plant.is_split(i)) result.apart[k][static_cast<Eigen::Index>(i)] = drives[i].deviation;
+    }
     if (states != nullptr) states->push_back({plant.drive_q(), plant.drive_qd(), d});
     d += correct(plant, step, drives, e);
     const JointVector extra = run.contact.empty() ? d : JointVector{d - run.contact[k]};

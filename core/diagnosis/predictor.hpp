@@ -26,13 +26,20 @@ struct PredictorModel {
   const PlantTerms& terms;
 };
 
-/// Reading less prediction, rad, at every row; not a number where the model runs away or is too
-/// stiff to follow.
+struct Prediction {
+  /// Reading less prediction, rad, at every row; not a number where the model runs away or is too
+  /// stiff to follow.
+  std::vector<JointVector> innovations{};
+  /// Their standard deviation on axes whose drive moves apart from the link, 0 on the others, rad.
+  /// Empty: on no axis ever.
+  std::vector<JointVector> apart{};
+};
+
 /// @param states filled when given
-[[nodiscard]] std::vector<JointVector> innovations(const PredictorModel& model,
-                                                   const Recording& run,
-                                                   double period_s,
-                                                   const Tether& tether,
-                                                   std::vector<PredictedState>* states = nullptr);
+[[nodiscard]] Prediction predict(const PredictorModel& model,
+                                 const Recording& run,
+                                 double period_s,
+                                 const Tether& tether,
+                                 std::vector<PredictedState>* states = nullptr);
 
 }  // namespace teleop
