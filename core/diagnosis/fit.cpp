@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 #include <ceres/ceres.h>
+#include <glog/logging.h>
 
 #include "core/base/error.hpp"
 #include "core/diagnosis/parallel.hpp"
@@ -69,16 +70,20 @@ bool possible(const MachineModel& model) {
   }
 }
 
-/// The errors of one run as a function of (free parameters, base).
+/// The errors of all runs, one after the other, as a function of (free parameters, base).
 class RunErrors final : public ceres::CostFunction {
  public:
   RunErrors(const Likelihood& likelihood,
-            std::size_t run,
             const MachineModel& start,
             const std::vector<FreeParameter>& free,
-            const Eigen::MatrixXf& base)
-      : likelihood_{&likelihood}, run_{run}, start_{&start}, free_{&free}, base_{&base} {
-    set_num_residuals(static_cast<int>(base.rows()));
+            const BaseColumns& base)
+      : likelihood_{&likelihood}, start_{&start}, free_{&free}, base_{&base} {
+    Index rows = 0;
+    for (const Eigen::MatrixXf& columns : base) {
+      first_.push_back(rows);
+      rows += columns.rows();
+    }
+    set_num_residuals(static_cast<int>(rows));
     if (!free.empty()) mutable_parameter_block_sizes()->push_back(static_cast<int>(free.size()));
     mutable_parameter_block_sizes()->push_back(static_cast<int>(BasePrior::kSize));
   }
@@ -91,45 +96,59 @@ class RunErrors final : public ceres::CostFunction {
     const Eigen::Map<const BasePrior::Vector> z{parameters[has_free ? 1 : 0]};
     const MachineModel here = with(*start_, *free_, x);
     if (!possible(here)) return false;
-    const Eigen::VectorXf w = likelihood_->errors(run_, here);
-    const Eigen::VectorXd moved = base_->cast<double>() * (z - start_->base);
+    const std::vector<Eigen::VectorXf> w = likelihood_->errors(here);
     Eigen::Map<Eigen::VectorXd> out{residuals, num_residuals()};
-    out = w.cast<double>() + moved;
-    if (jacobians == nullptr) return out.allFinite();
-    if (has_free && jacobians[0] != nullptr) differentiate(x, w, jacobians[0]);
+    for (std::size_t run = 0; run < w.size(); ++run) {
+      out.segment(first_[run], w[run].size()) =
+          w[run].cast<double>() + (*base_)[run].cast<double>() * (z - start_->base);
+    }
+    if (!out.allFinite()) return false;
+    if (jacobians == nullptr) return true;
     double* base_jacobian = jacobians[has_free ? 1 : 0];
     if (base_jacobian != nullptr) {
-      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, BasePrior::kSize, Eigen::RowMajor>>{
-          base_jacobian, num_residuals(), BasePrior::kSize} = base_->cast<double>();
+      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, BasePrior::kSize, Eigen::RowMajor>> J{
+          base_jacobian, num_residuals(), BasePrior::kSize};
+      for (std::size_t run = 0; run < w.size(); ++run) {
+        J.middleRows(first_[run], w[run].size()) = (*base_)[run].cast<double>();
+      }
     }
-    return out.allFinite();
+    return !has_free || jacobians[0] == nullptr || differentiate(x, w, jacobians[0]);
   }
 
  private:
-  void differentiate(const double* x, const Eigen::VectorXf& w, double* out) const {
-    const auto size = static_cast<Index>(free_->size());
+  [[nodiscard]] bool differentiate(const double* x,
+                                   const std::vector<Eigen::VectorXf>& w,
+                                   double* out) const {
+    const std::size_t size = free_->size();
     Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> J{
-        out, num_residuals(), size};
-    std::vector<double> shifted(x, x + size);
-    for (Index i = 0; i < size; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      double step = (*free_)[at].step;
-      shifted[at] = x[at] + step;
+        out, num_residuals(), static_cast<Index>(size)};
+    std::vector<MachineModel> there;
+    std::vector<double> steps;
+    for (std::size_t i = 0; i < size; ++i) {
+      std::vector<double> shifted(x, x + size);
+      double step = (*free_)[i].step;
+      shifted[i] = x[i] + step;
       if (!possible(with(*start_, *free_, shifted.data()))) {
         step = -step;
-        shifted[at] = x[at] + step;
+        shifted[i] = x[i] + step;
       }
-      const MachineModel there = with(*start_, *free_, shifted.data());
-      J.col(i) = (likelihood_->errors(run_, there) - w).cast<double>() / step;
-      shifted[at] = x[at];
+      there.push_back(with(*start_, *free_, shifted.data()));
+      steps.push_back(step);
     }
+    for_each_index(size * w.size(), likelihood_->threads(), [&](std::size_t job) {
+      const std::size_t run = job / size;
+      const std::size_t i = job % size;
+      J.col(static_cast<Index>(i)).segment(first_[run], w[run].size()) =
+          (likelihood_->errors(run, there[i]) - w[run]).cast<double>() / steps[i];
+    });
+    return J.allFinite();
   }
 
   const Likelihood* likelihood_;
-  std::size_t run_;
   const MachineModel* start_;
   const std::vector<FreeParameter>* free_;
-  const Eigen::MatrixXf* base_;
+  const BaseColumns* base_;
+  std::vector<Index> first_;  ///< row of each run
 };
 
 /// z ~ N(0, 1).
@@ -268,30 +287,22 @@ Fit fit(const Likelihood& likelihood,
   BasePrior::Vector z = start.base;
 
   ceres::Problem problem;
-  for (std::size_t run = 0; run < likelihood.runs(); ++run) {
-    auto* cost =
-        new RunErrors{likelihood, run, start, result.free, base[run]};  // NOLINT: ceres owns it
-    if (result.free.empty()) {
-      problem.AddResidualBlock(cost, nullptr, z.data());
-    } else {
-      problem.AddResidualBlock(cost, nullptr, x.data(), z.data());
-    }
-  }
-  for (std::size_t i = 0; i < result.free.size(); ++i) {
-    if (!result.free[i].logarithmic) continue;
-    constexpr double kReach = 3.0;  // a factor of 20: what lies farther has trials of its own
-    const auto at = static_cast<int>(i);
-    problem.SetParameterLowerBound(x.data(), at, x[at] - kReach);
-    problem.SetParameterUpperBound(x.data(), at, x[at] + kReach);
+  auto* cost = new RunErrors{likelihood, start, result.free, base};  // NOLINT: ceres owns it
+  if (result.free.empty()) {
+    problem.AddResidualBlock(cost, nullptr, z.data());
+  } else {
+    problem.AddResidualBlock(cost, nullptr, x.data(), z.data());
   }
   problem.AddResidualBlock(new PriorErrors, nullptr, z.data());  // NOLINT: ceres owns it
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   solver.max_num_iterations = options.iterations;
-  solver.num_threads = static_cast<int>(likelihood.threads());
+  solver.num_threads = 1;  // sums in one order; the simulations run on all cores
   solver.function_tolerance = 1e-7;
   solver.parameter_tolerance = 1e-5;
   solver.logging_type = ceres::SILENT;
+  // A model that cannot be simulated is an answer, not a thing to tell the user.
+  FLAGS_minloglevel = google::GLOG_FATAL;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
   result.converged = summary.termination_type == ceres::CONVERGENCE;

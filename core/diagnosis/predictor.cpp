@@ -161,7 +161,7 @@ Prediction predict(const PredictorModel& model,
   Plant plant{model.arm,
               {.terms = terms,
                .stops = false,
-               .max_step = Duration{sample_ns(period_s, terms)},
+               .max_step = Duration{sample_ns(period_s, terms) / model.steps},
                .q = q0,
                .qd = qd0}};
   ExactReading reading{terms, q0, qd0};

@@ -24,6 +24,7 @@ struct PredictedState {
 struct PredictorModel {
   const ArmModel& arm;
   const PlantTerms& terms;
+  int steps = 1;  ///< of the integrator, at least so many a sample
 };
 
 struct Prediction {
