@@ -12,6 +12,8 @@
 namespace teleop {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 /// Evidence counts less than it seems: quantised readings are not quite normal noise.
 constexpr double kTemperature = 3.0;
 /// A regularity that is left with more than this is no accident.
@@ -39,8 +41,9 @@ JointVector left_out_rms(const Fit& fit) {
 
 HeldOutFit held_out(Likelihood& likelihood, const Explanation& best) {
   HeldOutFit result;
-  for (const Recording& run : likelihood.data().runs)
+  for (const Recording& run : likelihood.data().runs) {
     result.runs.push_back(run.name);
+  }
   likelihood.set_noise(best.noise);
   const Fit nominal = fit(likelihood, base_columns(likelihood, {}), {});
   const JointVector before = left_out_rms(nominal);
@@ -74,14 +77,14 @@ void weigh_rivals(Diagnosis& diagnosis) {
   }
 }
 
-nlohmann::ordered_json axis_of(const EffectSpec& effect, const DiagnosisCase& data) {
+Json axis_of(const EffectSpec& effect, const DiagnosisCase& data) {
   if (!effect.axis) return nullptr;
   if (data.bench.empty()) return *effect.axis + 1;
   return data.bench[*effect.axis].name;
 }
 
-nlohmann::ordered_json parameters_of(const NamedEffect& named) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+Json parameters_of(const NamedEffect& named) {
+  Json list = Json::array();
   for (const EffectParameter& parameter : find_effect(named.effect.kind).parameters) {
     const auto value = named.effect.parameters.find(std::string{parameter.name});
     if (value == named.effect.parameters.end()) continue;
@@ -97,6 +100,82 @@ nlohmann::ordered_json parameters_of(const NamedEffect& named) {
                     {"unit", parameter.unit}});
   }
   return list;
+}
+
+bool something_is_left(const Diagnosis& diagnosis) {
+  return diagnosis.verdict == Verdict::partly_explained ||
+         diagnosis.verdict == Verdict::unexplained;
+}
+
+Json leftover_axis(const Leftover& leftover, const DiagnosisCase& data) {
+  return data.bench.empty() ? Json(leftover.axis + 1) : Json(data.bench[leftover.axis].name);
+}
+
+std::string where_of(const Diagnosis& diagnosis) {
+  if (something_is_left(diagnosis)) {
+    const Leftover& first = diagnosis.leftovers.front();
+    return fmt::format("a torque of about {:.2g} that follows {}", first.amplitude, first.quantity);
+  }
+  return diagnosis.found.effects.empty() ? "nothing stands out of the noise" : "";
+}
+
+Json rivals_of(const Diagnosis& diagnosis, std::size_t effect, const DiagnosisCase& data) {
+  constexpr double kWorthMention = 0.005;
+  const NamedEffect& named = diagnosis.found.effects[effect];
+  Json list = Json::array();
+  for (std::size_t j = 0; j < named.rivals.size(); ++j) {
+    const double confidence = diagnosis.rival_confidences[effect][j];
+    if (confidence < kWorthMention) continue;
+    list.push_back({{"kind", named.rivals[j].effect.kind},
+                    {"axis", axis_of(named.rivals[j].effect, data)},
+                    {"confidence", confidence}});
+  }
+  return list;
+}
+
+Json effects_of(const Diagnosis& diagnosis, const DiagnosisCase& data) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < diagnosis.found.effects.size(); ++i) {
+    const NamedEffect& named = diagnosis.found.effects[i];
+    list.push_back({{"kind", named.effect.kind},
+                    {"axis", axis_of(named.effect, data)},
+                    {"confidence", diagnosis.confidences[i]},
+                    {"parameters", parameters_of(named)},
+                    {"alternatives", rivals_of(diagnosis, i, data)}});
+  }
+  if (something_is_left(diagnosis)) {
+    list.push_back({{"kind", "unknown"},
+                    {"axis", leftover_axis(diagnosis.leftovers.front(), data)},
+                    {"confidence", 0.9},
+                    {"parameters", Json::array()},
+                    {"alternatives", Json::array()},
+                    {"text", where_of(diagnosis)}});
+  }
+  return list;
+}
+
+/// Where causes sit: axes, each once, and channels, one word or a list.
+Json mismatch_of(const Diagnosis& diagnosis, const DiagnosisCase& data) {
+  std::set<std::string_view> channels;
+  Json axes = Json::array();
+  const auto add = [&axes](const Json& axis) {
+    const bool known = std::find(axes.begin(), axes.end(), axis) != axes.end();
+    if (!axis.is_null() && !known) axes.push_back(axis);
+  };
+  for (const NamedEffect& named : diagnosis.found.effects) {
+    channels.insert(text_of(find_effect(named.effect.kind).channel));
+    add(axis_of(named.effect, data));
+  }
+  if (something_is_left(diagnosis)) {
+    channels.insert("unknown");
+    add(leftover_axis(diagnosis.leftovers.front(), data));
+  }
+  Json channel = channels.size() > 1 ? Json(channels) : Json("none");
+  if (channels.size() == 1) channel = *channels.begin();
+  return {{"axes", axes},
+          {"channel", channel},
+          {"where", where_of(diagnosis)},
+          {"p_value", diagnosis.p_value}};
 }
 
 }  // namespace
@@ -133,67 +212,15 @@ Diagnosis diagnose(Likelihood& likelihood, const SearchOptions& options) {
 }
 
 nlohmann::ordered_json answer_of(const Diagnosis& diagnosis, const DiagnosisCase& data) {
-  using Json = nlohmann::ordered_json;
-  std::set<std::string_view> channels;
-  Json axes = Json::array();
-  Json effects = Json::array();
-  for (std::size_t i = 0; i < diagnosis.found.effects.size(); ++i) {
-    const NamedEffect& named = diagnosis.found.effects[i];
-    channels.insert(text_of(find_effect(named.effect.kind).channel));
-    const Json axis = axis_of(named.effect, data);
-    if (!axis.is_null() && std::find(axes.begin(), axes.end(), axis) == axes.end()) {
-      axes.push_back(axis);
-    }
-    Json rivals = Json::array();
-    for (std::size_t j = 0; j < named.rivals.size(); ++j) {
-      const double confidence = diagnosis.rival_confidences[i][j];
-      constexpr double kWorthMention = 0.005;
-      if (confidence < kWorthMention) continue;
-      rivals.push_back({{"kind", named.rivals[j].effect.kind},
-                        {"axis", axis_of(named.rivals[j].effect, data)},
-                        {"confidence", confidence}});
-    }
-    effects.push_back({{"kind", named.effect.kind},
-                       {"axis", axis},
-                       {"confidence", diagnosis.confidences[i]},
-                       {"parameters", parameters_of(named)},
-                       {"alternatives", rivals}});
-  }
-  const bool rest =
-      diagnosis.verdict == Verdict::partly_explained || diagnosis.verdict == Verdict::unexplained;
-  std::string where = "nothing stands out of the noise";
-  if (!diagnosis.found.effects.empty()) where = "";
-  if (rest) {
-    const Leftover& first = diagnosis.leftovers.front();
-    channels.insert("unknown");
-    const Json axis = data.bench.empty() ? Json(first.axis + 1) : Json(data.bench[first.axis].name);
-    if (std::find(axes.begin(), axes.end(), axis) == axes.end()) axes.push_back(axis);
-    where =
-        fmt::format("a torque of about {:.2g} that follows {}", first.amplitude, first.quantity);
-    effects.push_back({{"kind", "unknown"},
-                       {"axis", axis},
-                       {"confidence", 0.9},
-                       {"parameters", Json::array()},
-                       {"alternatives", Json::array()},
-                       {"text", where}});
-  }
-  Json channel = channels.empty() ? Json("none") : Json(*channels.begin());
-  if (channels.size() > 1) {
-    channel = Json::array();
-    for (const std::string_view each : channels)
-      channel.push_back(each);
-  }
-  return {
-      {"verdict", text_of(diagnosis.verdict)},
-      {"mismatch",
-       {{"axes", axes}, {"channel", channel}, {"where", where}, {"p_value", diagnosis.p_value}}},
-      {"effects", effects},
-      {"fit",
-       {{"nominal_nrmse", diagnosis.fit.nominal},
-        {"corrected_nrmse", diagnosis.fit.corrected},
-        {"noise_floor_nrmse", diagnosis.fit.floor},
-        {"held_out_runs", diagnosis.fit.runs}}},
-      {"next_experiment", ""}};
+  return {{"verdict", text_of(diagnosis.verdict)},
+          {"mismatch", mismatch_of(diagnosis, data)},
+          {"effects", effects_of(diagnosis, data)},
+          {"fit",
+           {{"nominal_nrmse", diagnosis.fit.nominal},
+            {"corrected_nrmse", diagnosis.fit.corrected},
+            {"noise_floor_nrmse", diagnosis.fit.floor},
+            {"held_out_runs", diagnosis.fit.runs}}},
+          {"next_experiment", ""}};
 }
 
 }  // namespace teleop

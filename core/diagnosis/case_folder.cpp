@@ -348,8 +348,9 @@ DiagnosisCase read_case(const fs::path& path, const fs::path& data) {
       .name = root.text("case", is_folder ? own.filename().string() : file.stem().string()),
       .plant = root.text("plant")};
   const auto rate = root.number("sample_rate_Hz", kPositive);
-  if (!rate)
+  if (!rate) {
     throw ConfigError{root.place() + ": sample_rate_Hz is missing; add sample_rate_Hz = 1000"};
+  }
   out.period_s = 1.0 / *rate;
   static_cast<void>(root.text("torque_convention", "-"));  // the one that a Recording states
   const Layout layout =
