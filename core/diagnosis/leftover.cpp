@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 
 #include <Eigen/Cholesky>
+#include <fmt/format.h>
 
 #include "core/diagnosis/parallel.hpp"
 #include "core/diagnosis/predictor.hpp"
@@ -35,13 +35,6 @@ struct Probe {
   const char* quantity;
   double (*torque)(const Row&);
 };
-
-/// A bump over a tenth of the range.
-template <int kPlace>
-double bump(double q) {
-  const double x = (q - (-0.9 + 0.2 * kPlace)) / 0.12;
-  return std::exp(-x * x);
-}
 
 constexpr std::array kProbes{
     Probe{"constant",
@@ -176,86 +169,6 @@ constexpr std::array kProbes{
           [](const Row& r) {
             return r.sign * r.q_other;
           }},
-    Probe{"direction near one place (1)",
-          [](const Row& r) {
-            return r.sign * bump<0>(r.q);
-          }},
-    Probe{"direction near one place (2)",
-          [](const Row& r) {
-            return r.sign * bump<1>(r.q);
-          }},
-    Probe{"direction near one place (3)",
-          [](const Row& r) {
-            return r.sign * bump<2>(r.q);
-          }},
-    Probe{"direction near one place (4)",
-          [](const Row& r) {
-            return r.sign * bump<3>(r.q);
-          }},
-    Probe{"direction near one place (5)",
-          [](const Row& r) {
-            return r.sign * bump<4>(r.q);
-          }},
-    Probe{"direction near one place (6)",
-          [](const Row& r) {
-            return r.sign * bump<5>(r.q);
-          }},
-    Probe{"direction near one place (7)",
-          [](const Row& r) {
-            return r.sign * bump<6>(r.q);
-          }},
-    Probe{"direction near one place (8)",
-          [](const Row& r) {
-            return r.sign * bump<7>(r.q);
-          }},
-    Probe{"direction near one place (9)",
-          [](const Row& r) {
-            return r.sign * bump<8>(r.q);
-          }},
-    Probe{"direction near one place (10)",
-          [](const Row& r) {
-            return r.sign * bump<9>(r.q);
-          }},
-    Probe{"one place (1)",
-          [](const Row& r) {
-            return bump<0>(r.q);
-          }},
-    Probe{"one place (2)",
-          [](const Row& r) {
-            return bump<1>(r.q);
-          }},
-    Probe{"one place (3)",
-          [](const Row& r) {
-            return bump<2>(r.q);
-          }},
-    Probe{"one place (4)",
-          [](const Row& r) {
-            return bump<3>(r.q);
-          }},
-    Probe{"one place (5)",
-          [](const Row& r) {
-            return bump<4>(r.q);
-          }},
-    Probe{"one place (6)",
-          [](const Row& r) {
-            return bump<5>(r.q);
-          }},
-    Probe{"one place (7)",
-          [](const Row& r) {
-            return bump<6>(r.q);
-          }},
-    Probe{"one place (8)",
-          [](const Row& r) {
-            return bump<7>(r.q);
-          }},
-    Probe{"one place (9)",
-          [](const Row& r) {
-            return bump<8>(r.q);
-          }},
-    Probe{"one place (10)",
-          [](const Row& r) {
-            return bump<9>(r.q);
-          }},
 };
 
 /// Scales of the rows, from all runs together.
@@ -266,6 +179,32 @@ struct Scales {
   JointVector torque = JointVector::Ones();
   JointVector torque_rate = JointVector::Ones();
 };
+
+/// The range of an axis in so many places, each of which is a quantity by itself and together with
+/// the direction.
+constexpr std::size_t kPlaces = 10;
+constexpr std::size_t kQuantities = kProbes.size() + 2 * kPlaces;
+
+/// 1 at a place, falling off to its neighbours.
+double nearness(std::size_t place, double q) {
+  const double middle = (2.0 * static_cast<double>(place) + 1.0) / kPlaces - 1.0;
+  const double x = (q - middle) * 0.6 * kPlaces;
+  return std::exp(-x * x);
+}
+
+double torque_of(std::size_t quantity, const Row& row) {
+  if (quantity < kProbes.size()) return kProbes[quantity].torque(row);
+  const std::size_t place = quantity - kProbes.size();
+  if (place < kPlaces) return nearness(place, row.q);
+  return row.sign * nearness(place - kPlaces, row.q);
+}
+
+std::string name_of(std::size_t quantity) {
+  if (quantity < kProbes.size()) return kProbes[quantity].quantity;
+  const std::size_t place = quantity - kProbes.size();
+  if (place < kPlaces) return fmt::format("angle near place {} of {}", place + 1, kPlaces);
+  return fmt::format("direction near place {} of {}", place - kPlaces + 1, kPlaces);
+}
 
 using States = std::vector<PredictedState>;
 
@@ -312,6 +251,45 @@ Row row_of(const Recording& run, const States& states, std::size_t k, Index i, c
           .u_other = run.tau[k][o] / s.torque[o]};
 }
 
+/// Stretches of time whose errors are larger than the others', and single ones that stand out: what
+/// no torque over angle, speed or command tells.
+void add_irregularities(const Likelihood& likelihood,
+                        const Fit& now,
+                        std::vector<Leftover>& found) {
+  constexpr Index kStretch = 500;  // samples
+  constexpr float kOutlier = 5.0F;
+  for (std::size_t i = 0; i < likelihood.data().axes(); ++i) {
+    Leftover stretch{.axis = i};
+    Leftover jumps{.axis = i};
+    std::size_t count = 0;
+    for (std::size_t run = 0; run < now.errors.size(); ++run) {
+      const Eigen::VectorXf& w = now.errors[run];
+      const Eigen::Map<const Eigen::VectorXf, 0, Eigen::InnerStride<3>> own{w.data() + i,
+                                                                            w.size() / 3};
+      for (Index first = 0; first + kStretch <= own.size(); first += kStretch) {
+        const double power = static_cast<double>(own.segment(first, kStretch).squaredNorm()) /
+                             static_cast<double>(kStretch);
+        const double gain = (power - 1.0) * (power - 1.0) * kStretch / 2.0;
+        if (power <= 1.0 || gain <= stretch.gain) continue;
+        const double start = static_cast<double>(first) * likelihood.data().period_s;
+        stretch.gain = gain;
+        stretch.quantity = fmt::format("one stretch of time ({}, from {:.1f} s)",
+                                       likelihood.data().runs[run].name, start);
+      }
+      for (const float each : own) {
+        if (std::abs(each) <= kOutlier) continue;
+        jumps.gain += static_cast<double>(each * each);
+        ++count;
+      }
+    }
+    jumps.quantity = fmt::format("{} sudden jumps", count);
+    // Quantised readings of slow motion are uneven by themselves: only half of it counts.
+    stretch.gain /= 2.0;
+    found.push_back(std::move(stretch));
+    if (count > 0) found.push_back(std::move(jumps));
+  }
+}
+
 }  // namespace
 
 std::vector<Leftover> leftovers(const Likelihood& likelihood, const Fit& now) {
@@ -325,10 +303,10 @@ std::vector<Leftover> leftovers(const Likelihood& likelihood, const Fit& now) {
   });
   const Scales scales = scales_of(data, states);
   const Eigen::LDLT<Eigen::MatrixXd> known{now.information};
-  std::vector<Leftover> found(kProbes.size() * data.axes());
+  std::vector<Leftover> found(kQuantities * data.axes());
   for_each_index(found.size(), likelihood.threads(), [&](std::size_t job) {
-    const Probe& probe = kProbes[job % kProbes.size()];
-    const auto axis = static_cast<Index>(job / kProbes.size());
+    const std::size_t quantity = job % kQuantities;
+    const auto axis = static_cast<Index>(job / kQuantities);
     Eigen::VectorXd cross = Eigen::VectorXd::Zero(now.information.rows());
     double own = 0.0;
     double pull = 0.0;
@@ -337,7 +315,7 @@ std::vector<Leftover> leftovers(const Likelihood& likelihood, const Fit& now) {
     for (std::size_t run = 0; run < runs; ++run) {
       std::vector<JointVector> torque(data.runs[run].rows(), JointVector::Zero());
       for (std::size_t k = 0; k < torque.size(); ++k) {
-        torque[k][axis] = probe.torque(row_of(data.runs[run], states[run], k, axis, scales));
+        torque[k][axis] = torque_of(quantity, row_of(data.runs[run], states[run], k, axis, scales));
         power += torque[k][axis] * torque[k][axis];
         rows += 1.0;
       }
@@ -352,11 +330,12 @@ std::vector<Leftover> leftovers(const Likelihood& likelihood, const Fit& now) {
     constexpr double kNew = 1e-3;  // share of a probe that the parameters must leave
     Leftover& result = found[job];
     result.axis = static_cast<std::size_t>(axis);
-    result.quantity = probe.quantity;
+    result.quantity = name_of(quantity);
     if (own < kNew * before) return;
     result.gain = pull * pull / own;
     result.amplitude = std::abs(pull / own) * std::sqrt(power / rows);
   });
+  add_irregularities(likelihood, now, found);
   std::stable_sort(found.begin(), found.end(),
                    [](const Leftover& a, const Leftover& b) { return a.gain > b.gain; });
   return found;

@@ -47,13 +47,18 @@ Tether::Step update(Covariance& P, const JointVector& reading_variance) {
   return step;
 }
 
+/// What a sample adds to what is not known.
+struct Growth {
+  double h = 0.0;                              ///< s
+  JointVector white = JointVector::Zero();     ///< variance, N² m²
+  JointVector coloured = JointVector::Zero();  ///< variance of its fresh part, N² m²
+  JointVector memory = JointVector::Zero();    ///< φ
+};
+
 /// Lets a sample pass.
-void predict(Covariance& P,
-             double h,
-             const JointMatrix& W,
-             const JointVector& white_variance,
-             const JointVector& memory,
-             const JointVector& coloured_variance) {
+void predict(Covariance& P, const JointMatrix& W, const Growth& growth) {
+  const double h = growth.h;
+  const JointVector& memory = growth.memory;
   const JointMatrix jump = h * W;
   const JointMatrix reach = h / 2.0 * jump;
   // Rows, then columns, of F P Fᵀ.
@@ -68,11 +73,11 @@ void predict(Covariance& P,
   P.vv = vv + vd * jump.transpose();
   P.vd = vd * memory.asDiagonal();
   P.dd = memory.asDiagonal() * P.dd * memory.asDiagonal();
-  const JointMatrix noisy_jump = jump * white_variance.asDiagonal();
+  const JointMatrix noisy_jump = jump * growth.white.asDiagonal();
   P.vv += noisy_jump * jump.transpose();
   P.qv += h / 2.0 * noisy_jump * jump.transpose();
   P.qq += h * h / 4.0 * noisy_jump * jump.transpose();
-  P.dd.diagonal() += coloured_variance;
+  P.dd.diagonal() += growth.coloured;
 }
 
 }  // namespace
@@ -80,8 +85,9 @@ void predict(Covariance& P,
 std::vector<JointMatrix> mobilities(const ArmModel& arm, const Recording& run) {
   std::vector<JointMatrix> all;
   all.reserve(run.rows());
-  for (const JointVector& q : run.q)
+  for (const JointVector& q : run.q) {
     all.emplace_back(mass_matrix(arm, q).inverse());
+  }
   return all;
 }
 
@@ -93,9 +99,11 @@ Tether::Tether(const ArmModel& arm,
     : noise_{noise},
       memory_{(-period_s * noise.time_constant.cwiseInverse()).array().exp().matrix()} {
   const JointVector reading = noise.reading.cwiseAbs2();
-  const JointVector white = noise.white.cwiseAbs2();
   const JointVector coloured = noise.coloured.cwiseAbs2();
-  const JointVector fresh = coloured.cwiseProduct(JointVector::Ones() - memory_.cwiseAbs2());
+  const Growth growth{.h = period_s,
+                      .white = noise.white.cwiseAbs2(),
+                      .coloured = coloured.cwiseProduct(JointVector::Ones() - memory_.cwiseAbs2()),
+                      .memory = memory_};
   Covariance P;
   P.qq = reading.asDiagonal();
   P.vv = JointMatrix::Identity() * kStartSpeed * kStartSpeed;
@@ -104,7 +112,7 @@ Tether::Tether(const ArmModel& arm,
   steps_.reserve(count);
   for (std::size_t k = 0; k < count; ++k) {
     steps_.push_back(update(P, reading));
-    predict(P, period_s, mass_matrix(arm, run.q[k]).inverse(), white, memory_, fresh);
+    predict(P, mass_matrix(arm, run.q[k]).inverse(), growth);
   }
 }
 
