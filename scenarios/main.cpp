@@ -18,7 +18,7 @@ int run(int argc, char** argv) {
   Action action;
   for (const auto add :
        {add_loopback, add_workspace, add_logs, add_velocity, add_reproduce, add_effects, add_tune,
-        add_diagnose, add_frequency_response, add_run, add_sweep, add_bench}) {
+        add_diagnose, add_predict, add_frequency_response, add_run, add_sweep, add_bench}) {
     add(app, action);
   }
   try {

@@ -334,19 +334,13 @@ void read_runs(CaseTable& root, const fs::path& folder, const Layout& layout, Di
   }
 }
 
-}  // namespace
-
-DiagnosisCase read_case(const fs::path& path, const fs::path& data) {
-  std::error_code error;
-  const bool is_folder = fs::is_directory(path, error);
-  const fs::path file = is_folder ? path / "case.toml" : path;
-  const toml::table parsed = parse(file);
+DiagnosisCase case_of(const toml::table& parsed,
+                      const fs::path& file,
+                      const std::string& otherwise_named,
+                      const fs::path& data) {
   const std::string name = file.string();
   CaseTable root{parsed, name};
-  const fs::path own = fs::absolute(file).parent_path();
-  DiagnosisCase out{
-      .name = root.text("case", is_folder ? own.filename().string() : file.stem().string()),
-      .plant = root.text("plant")};
+  DiagnosisCase out{.name = root.text("case", otherwise_named), .plant = root.text("plant")};
   const auto rate = root.number("sample_rate_Hz", kPositive);
   if (!rate) {
     throw ConfigError{root.place() + ": sample_rate_Hz is missing; add sample_rate_Hz = 1000"};
@@ -357,6 +351,32 @@ DiagnosisCase read_case(const fs::path& path, const fs::path& data) {
       out.plant == kBenchPlant ? read_bench_tables(root, out) : read_arm_tables(root, out);
   read_runs(root, data.empty() ? file.parent_path() : data, layout, out);
   return out;
+}
+
+}  // namespace
+
+DiagnosisCase read_case(const fs::path& path, const fs::path& data) {
+  std::error_code error;
+  const bool is_folder = fs::is_directory(path, error);
+  const fs::path file = is_folder ? path / "case.toml" : path;
+  const fs::path own = fs::absolute(file).parent_path();
+  return case_of(parse(file), file, is_folder ? own.filename().string() : file.stem().string(),
+                 data);
+}
+
+DiagnosisCase read_case_of_run(const fs::path& recording) {
+  const fs::path file = recording.parent_path() / "case.toml";
+  if (!fs::exists(file)) {
+    throw ConfigError{fmt::format("{}: no case.toml beside it, which tells rate and columns",
+                                  recording.string())};
+  }
+  toml::table parsed = parse(file);
+  toml::table run;
+  run.insert_or_assign("file", recording.filename().string());
+  toml::array runs;
+  runs.push_back(std::move(run));
+  parsed.insert_or_assign("run", std::move(runs));
+  return case_of(parsed, file, file.parent_path().filename().string(), {});
 }
 
 }  // namespace teleop

@@ -22,4 +22,8 @@ namespace teleop {
 [[nodiscard]] DiagnosisCase read_case(const std::filesystem::path& path,
                                       const std::filesystem::path& data = {});
 
+/// The case that a single recording belongs to, with that one as its only run, listed there or not.
+/// @throws ConfigError as read_case() does.
+[[nodiscard]] DiagnosisCase read_case_of_run(const std::filesystem::path& recording);
+
 }  // namespace teleop

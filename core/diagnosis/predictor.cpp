@@ -192,7 +192,8 @@ Prediction predict(const PredictorModel& model,
       if (plant.is_split(i)) result.apart[k][static_cast<Eigen::Index>(i)] = drives[i].deviation;
     }
     if (states != nullptr) states->push_back({plant.drive_q(), plant.drive_qd(), d});
-    d += correct(plant, step, drives, e);
+    const bool held = model.free_rows == 0 || k / model.free_rows % 2 == 0;
+    d = held ? JointVector{d + correct(plant, step, drives, e)} : JointVector::Zero();
     const JointVector extra = run.contact.empty() ? d : JointVector{d - run.contact[k]};
     plant.set_disturbance(extra);
     plant.set_torque(run.tau[k]);

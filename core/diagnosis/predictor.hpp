@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "core/diagnosis/recording.hpp"
@@ -25,6 +26,8 @@ struct PredictorModel {
   const ArmModel& arm;
   const PlantTerms& terms;
   int steps = 1;  ///< of the integrator, at least so many a sample
+  /// n: the simulation is held for n rows, then left to itself for n, and so on; 0: always held.
+  std::size_t free_rows = 0;
 };
 
 struct Prediction {

@@ -24,7 +24,7 @@ struct MadeCase {
   std::vector<EffectSpec> effects{};
   NoiseModel noise{};
   std::size_t runs = 3;
-  double seconds = 2.5;
+  double seconds = 2.0;
   std::uint64_t seed = 1;
 };
 
