@@ -114,6 +114,19 @@ std::array<DriveGains, kJoints> drive_gains(const PredictorModel& model,
   return gains;
 }
 
+/// 1/s: what is faster cannot be told from what is rigid.
+constexpr double kFastest = 1500.0;
+
+bool has_rigid_wall(const PredictorModel& model, const Recording& run) {
+  const JointMatrix W = mass_matrix(model.arm, run.q[run.rows() / 2]).inverse();
+  return std::any_of(model.terms.walls.begin(), model.terms.walls.end(),
+                     [&](const JointWall& wall) {
+                       const auto axis = static_cast<Eigen::Index>(wall.axis);
+                       return wall.stiffness * W(axis, axis) > kFastest * kFastest ||
+                              wall.damping * W(axis, axis) > kFastest;
+                     });
+}
+
 bool gives_way(const PlantTerms& terms) {
   return std::any_of(
       terms.transmission.begin(), terms.transmission.end(),
@@ -165,8 +178,7 @@ Prediction predict(const PredictorModel& model,
                .q = q0,
                .qd = qd0}};
   ExactReading reading{terms, q0, qd0};
-  constexpr double kFastest = 1500.0;  // 1/s: what is faster cannot be told from what is rigid
-  if (plant.fastest_rate() > kFastest) {
+  if (plant.fastest_rate() > kFastest || has_rigid_wall(model, run)) {
     return {.innovations = std::vector(run.rows(), JointVector{JointVector::Constant(kNone)})};
   }
   const Duration sample{sample_ns(period_s, terms)};

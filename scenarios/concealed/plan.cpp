@@ -44,7 +44,7 @@ void add_singles(std::vector<Slot>& slots, std::size_t number, Random& random) {
 
 /// Two effects that cannot be told from one, or that one axis cannot have at once.
 bool clash(const std::string& a, const std::string& b) {
-  static const std::vector<std::vector<std::string>> kFamilies{
+  static const std::vector<std::vector<std::string>> families{
       {"actuation_delay", "sensor_delay", "amplifier_lag"},
       {"torque_gain", "encoder_scale", "added_inertia", "time_base", "thermal_derating"},
       {"coulomb_friction", "stribeck_friction", "presliding_hysteresis", "torque_bias"},
@@ -52,7 +52,7 @@ bool clash(const std::string& a, const std::string& b) {
       {"backlash", "transmission_compliance"},
       {"payload", "hand_impedance", "added_inertia"},
   };
-  return a == b || std::any_of(kFamilies.begin(), kFamilies.end(), [&](const auto& family) {
+  return a == b || std::any_of(families.begin(), families.end(), [&](const auto& family) {
            return std::find(family.begin(), family.end(), a) != family.end() &&
                   std::find(family.begin(), family.end(), b) != family.end();
          });
@@ -122,23 +122,23 @@ std::string_view name_of(Group group) noexcept {
 }
 
 const std::vector<std::string>& nasty_sorts() {
-  static const std::vector<std::string> kSorts{
+  static const std::vector<std::string> sorts{
       "hidden_by_loop_gain", "below_one_count",     "delay_and_compliance", "gain_and_inertia",
       "masked_coulomb",      "one_way_friction",    "heat_with_pauses",     "catch",
       "aliased_cogging",     "coupling_as_payload", "jitter_under_load",    "training_runs_only",
       "logged_current",      "cancelling_means",    "coloured_as_cogging",  "wrong_sampling_rate",
       "foreign_integrator",
   };
-  return kSorts;
+  return sorts;
 }
 
 const std::vector<std::string>& null_sorts() {
-  static const std::vector<std::string> kSorts{
+  static const std::vector<std::string> sorts{
       "plain",          "stronger_coloured",   "encoder_noise", "inertia_edge",
       "high_loop_gain", "coarse_motion",       "small_motion",  "other_integrator_step",
       "stronger_white", "coloured_as_cogging", "quiet",
   };
-  return kSorts;
+  return sorts;
 }
 
 std::vector<Slot> lay_out(const ConcealedPlan& plan) {
