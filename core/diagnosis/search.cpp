@@ -144,7 +144,7 @@ class Search {
     std::stable_sort(fits.begin(), fits.end(),
                      [&](const Fit& a, const Fit& b) { return cost(a) < cost(b); });
     if (fits.size() > kWeighed) fits.resize(kWeighed);
-    if (fits.empty()) return {};
+    if (fits.empty() || now.fit.chi2 - fits.front().chi2 < options_->least_gain) return {};
     const double enough = kNearEnough * (now.fit.chi2 - fits.front().chi2);
     std::erase_if(fits, [&](const Fit& each) { return now.fit.chi2 - each.chi2 < enough; });
     std::vector<Explanation> next;

@@ -11,7 +11,7 @@ namespace {
 
 using std::numbers::pi;
 constexpr double kTolerance = 0.005;
-const JointVector kNoiseShare{1.0, 0.75, 0.45};  // of the axes: the lighter, the quieter
+const JointVector noise_share{1.0, 0.75, 0.45};  // of the axes: the lighter, the quieter
 
 double log_uniform(Random& random, double low, double high) {
   return low * std::pow(high / low, random.uniform());
@@ -36,14 +36,14 @@ ArmModel off_nominal(const ArmModel& nominal, bool edge, Random& random) {
 
 Disturbance draw_disturbance(const DeviceWish& wish, Random& random) {
   Disturbance result;
-  for (Eigen::Index i = 0; i < kNoiseShare.size(); ++i) {
-    result.white_Nm[i] = wish.white * kNoiseShare[i] * log_uniform(random, 2e-4, 8e-4);
-    result.coloured_Nm[i] = wish.coloured * kNoiseShare[i] * log_uniform(random, 3e-4, 1.1e-3);
+  for (Eigen::Index i = 0; i < noise_share.size(); ++i) {
+    result.white_Nm[i] = wish.white * noise_share[i] * log_uniform(random, 2e-4, 8e-4);
+    result.coloured_Nm[i] = wish.coloured * noise_share[i] * log_uniform(random, 3e-4, 1.1e-3);
     result.coloured_time_s[i] = random.uniform(0.01, 0.06);
   }
   if (wish.narrow_Nm > 0.0) {
     const auto axis = std::min<Eigen::Index>(static_cast<Eigen::Index>(3.0 * random.uniform()), 2);
-    result.narrow_Nm[axis] = wish.narrow_Nm * kNoiseShare[axis];
+    result.narrow_Nm[axis] = wish.narrow_Nm * noise_share[axis];
     result.narrow_Hz = random.uniform(3.0, 14.0);
   }
   const bool noisy = random.uniform() < 0.3;
