@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kSweeps = 50;
 constexpr double kSettled = 1e-13;  // rad/s
-const JointVector kHandPosture{0.0, 0.40, 0.25};
+const JointVector hand_posture{0.0, 0.40, 0.25};
 
 Eigen::Index at(std::size_t i) { return static_cast<Eigen::Index>(i); }
 
@@ -56,7 +56,7 @@ Plant::Plant(const PlantLaw& law, const JointVector& q, const JointVector& v, in
       h_{period_ / substeps},
       substeps_{substeps},
       delivery_{deliveries(law, period_)},
-      hand_point_{tip(law, kHandPosture)},
+      hand_point_{tip(law, hand_posture)},
       now_{.q = q, .v = v, .m = q, .w = v},
       absorber_{q},
       absorber_rate_{v},
