@@ -19,7 +19,6 @@ constexpr std::size_t kFitted = 8;       // candidates of a screening that are f
 constexpr std::size_t kWeighed = 4;      // and of these, those whose noise is fitted too
 constexpr double kLeastShare = 0.1;      // of the best gain, for a candidate to be fitted
 constexpr double kWorthAFit = 12.0;
-constexpr double kNearEnough = 0.4;  // of the best fit's gain, for a rival's noise to be fitted
 
 std::string name_of(const EffectSpec& effect) {
   std::string name = effect.kind;
@@ -145,8 +144,6 @@ class Search {
                      [&](const Fit& a, const Fit& b) { return cost(a) < cost(b); });
     if (fits.size() > kWeighed) fits.resize(kWeighed);
     if (fits.empty() || now.fit.chi2 - fits.front().chi2 < options_->least_gain) return {};
-    const double enough = kNearEnough * (now.fit.chi2 - fits.front().chi2);
-    std::erase_if(fits, [&](const Fit& each) { return now.fit.chi2 - each.chi2 < enough; });
     std::vector<Explanation> next;
     for (const Fit& each : fits) {
       say(fmt::format("weighing {}", name_of(each.model.effects.back())));

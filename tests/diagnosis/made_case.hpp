@@ -44,7 +44,7 @@ inline DiagnosisCase make_case(const MadeCase& made) {
     JointMatrix rate;
     JointMatrix phase;
     for (Eigen::Index i = 0; i < 9; ++i) {
-      rate(i) = 2.0 * std::numbers::pi * std::exp(random.uniform(std::log(0.4), std::log(6.0)));
+      rate(i) = 2.0 * std::numbers::pi * std::exp(random.uniform(std::log(0.4), std::log(15.0)));
       phase(i) = random.uniform(0.0, 2.0 * std::numbers::pi);
     }
     Plant plant{arm, {.terms = terms, .stops = false, .q = home}};
