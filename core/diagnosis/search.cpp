@@ -84,7 +84,7 @@ class Search {
     result.nominal = weigh({}, fit_noise(*likelihood_, {}, start));
     Explanation best = result.nominal;
     std::vector<Explanation> rivals;
-    while (best.fit.model.effects.size() < options_->most_effects) {
+    while (best.fit.model.effects.size() < options_->most_effects && !stopped()) {
       std::vector<Explanation> next = extended(best);
       // What does not help to predict the other runs is not there.
       std::erase_if(next, [&](const Explanation& each) {
@@ -92,18 +92,35 @@ class Search {
                each.score() > best.score() - options_->least_gain;
       });
       if (next.empty()) break;
+      joined_.push_back(best.score() - next.front().score());
       best = next.front();
       rivals = std::move(next);
       say(fmt::format("found {}", name_of(best.fit.model.effects.back())));
     }
     result.best = best;
     describe(result, rivals);
+    result.unfinished = stopped();
     return result;
   }
 
  private:
   void say(const std::string& text) const {
     if (options_->progress) options_->progress(text);
+  }
+
+  [[nodiscard]] bool stopped() const noexcept {
+    return options_->stop != nullptr && options_->stop->load(std::memory_order_relaxed);
+  }
+
+  /// A round of the search has come so far, 0 to 1. How many follow nobody knows: each is taken
+  /// for half of what is left.
+  void advance(double in_round) const {
+    if (options_->advanced) options_->advanced(done_ + 0.5 * in_round * (1.0 - done_));
+  }
+
+  void end_round() {
+    done_ += 0.5 * (1.0 - done_);
+    advance(0.0);
   }
 
   /// Fit and noise, in turn.
@@ -122,16 +139,23 @@ class Search {
     return result;
   }
 
-  /// The model with one effect more, in several ways, the best first.
+  /// The model with one effect more, in several ways, the best first. Nothing when the search is
+  /// stopped on the way.
   std::vector<Explanation> extended(const Explanation& now) {
+    constexpr double kScreened = 0.35;  // shares of a round, about
+    constexpr double kAllFitted = 0.6;
     likelihood_->set_noise(now.noise);
     say("screening");
+    advance(0.0);
     const std::vector<Candidate> few =
         promising(screen(*likelihood_, now.fit, use_), now.fit.model.effects);
     const BaseColumns base = base_columns(*likelihood_, now.fit.model);
     std::vector<Fit> fits;
     for (const Candidate& candidate : few) {
+      if (stopped()) return {};
       say(fmt::format("fitting {}", name_of(candidate.effect)));
+      advance(kScreened + (kAllFitted - kScreened) * static_cast<double>(fits.size()) /
+                              static_cast<double>(few.size()));
       MachineModel model = now.fit.model;
       model.effects.push_back(candidate.effect);
       Fit trial = fit(*likelihood_, base, model, {.iterations = 8, .slopes = false});
@@ -146,10 +170,15 @@ class Search {
     if (fits.empty() || now.fit.chi2 - fits.front().chi2 < options_->least_gain) return {};
     std::vector<Explanation> next;
     for (const Fit& each : fits) {
+      // The best of them is weighed even so: it is known by now.
+      if (stopped() && !next.empty()) break;
       say(fmt::format("weighing {}", name_of(each.model.effects.back())));
+      advance(kAllFitted + (1.0 - kAllFitted) * static_cast<double>(next.size()) /
+                               static_cast<double>(fits.size()));
       Explanation weighed = weigh(each.model, now.noise);
       if (std::isfinite(weighed.deviance)) next.push_back(std::move(weighed));
     }
+    end_round();
     std::stable_sort(next.begin(), next.end(), [](const Explanation& a, const Explanation& b) {
       return a.score() < b.score();
     });
@@ -165,6 +194,8 @@ class Search {
       if (effects.size() == 1) {
         rivals = last_rivals;
         named.gain = result.nominal.score() - result.best.score();
+      } else if (stopped()) {
+        named.gain = joined_[i];
       } else {
         MachineModel without = result.best.fit.model;
         without.effects.erase(without.effects.begin() + static_cast<std::ptrdiff_t>(i));
@@ -211,6 +242,8 @@ class Search {
   const SearchOptions* options_;
   MachineUse use_;
   BaseColumns base_;
+  std::vector<double> joined_{};  ///< what each effect was worth when it joined
+  double done_ = 0.05;            ///< share of the work, about
 };
 
 }  // namespace
