@@ -20,8 +20,8 @@ constexpr double kTemperature = 3.0;
 /// A regularity that is left with more than this is no accident.
 constexpr double kLeftover = 30.0;
 
-/// Share of an interval of independent tests: the least of `tests` values that are χ² of one
-/// degree.
+/// Probability that the largest of so many independent values that are χ² of one degree exceeds
+/// this one.
 double p_value_of(double largest, double tests) {
   const double one = std::erfc(std::sqrt(std::max(largest, 0.0) / 2.0));
   return -std::expm1(tests * std::log1p(-std::min(one, 1.0 - 1e-16)));
@@ -202,17 +202,17 @@ std::string_view text_of(Verdict verdict) noexcept {
 }
 
 Diagnosis diagnose(Likelihood& likelihood, const SearchOptions& options) {
-  constexpr double kPlaces = 100.0;  // independent ones among trials and probes, about
+  constexpr double kPlaces = 100.0;  // independent ones among trials, about
   Diagnosis diagnosis;
   diagnosis.found = search(likelihood, options);
   likelihood.set_noise(diagnosis.found.best.noise);
-  diagnosis.leftovers = leftovers(likelihood, diagnosis.found.best.fit);
+  Leftovers left = leftovers(likelihood, diagnosis.found.best.fit);
+  diagnosis.leftovers = std::move(left.all);
   diagnosis.verdict = judge(diagnosis);
-  double evidence = diagnosis.leftovers.empty() ? 0.0 : diagnosis.leftovers.front().gain;
+  diagnosis.p_value = left.p_value;
   for (const NamedEffect& effect : diagnosis.found.effects) {
-    evidence = std::max(evidence, effect.gain);
+    diagnosis.p_value = std::min(diagnosis.p_value, p_value_of(effect.gain, kPlaces));
   }
-  diagnosis.p_value = p_value_of(evidence, kPlaces);
   diagnosis.fit = held_out(likelihood, diagnosis.found.best);
   weigh_rivals(diagnosis);
   likelihood.set_noise(diagnosis.found.best.noise);

@@ -19,6 +19,7 @@ using Eigen::Index;
 
 constexpr double kBaseStep = 2.0;  // standard deviations of the prior
 constexpr double kLogStep = 0.01;
+constexpr Index kStretch = 3 * 100;  // three axes a sample: a tenth of a second
 
 /// Steps of derivatives by coordinates that are not searched by their logarithm.
 double step_for(std::string_view unit) {
@@ -210,8 +211,17 @@ void look_around(const Likelihood& likelihood,
   if (!options.slopes) return;
   fit.information = Eigen::MatrixXd::Zero(size, size);
   fit.information.diagonal().tail<BasePrior::kSize>().setOnes();
-  for (const Eigen::MatrixXf& J : fit.slopes) {
+  fit.scatter = fit.information;
+  for (std::size_t run = 0; run < fit.slopes.size(); ++run) {
+    const Eigen::MatrixXf& J = fit.slopes[run];
     fit.information += (J.transpose() * J).cast<double>();
+    for (Index first = 0; first < J.rows(); first += kStretch) {
+      const Index rows = std::min(kStretch, J.rows() - first);
+      const Eigen::VectorXd pull =
+          (J.middleRows(first, rows).transpose() * fit.errors[run].segment(first, rows))
+              .cast<double>();
+      fit.scatter += pull * pull.transpose();
+    }
   }
 }
 
@@ -256,7 +266,12 @@ BaseColumns base_columns(const Likelihood& likelihood, const MachineModel& model
 Eigen::VectorXd Fit::deviations() const {
   const Eigen::MatrixXd covariance =
       information.ldlt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
-  return covariance.diagonal().head(static_cast<Index>(free.size())).cwiseMax(0.0).cwiseSqrt();
+  const Eigen::MatrixXd sandwich = covariance * scatter * covariance;
+  return covariance.diagonal()
+      .cwiseMax(sandwich.diagonal())
+      .head(static_cast<Index>(free.size()))
+      .cwiseMax(0.0)
+      .cwiseSqrt();
 }
 
 /// Without this run the other runs' gradient is the opposite of its own.

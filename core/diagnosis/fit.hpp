@@ -33,11 +33,14 @@ struct Fit {
   std::vector<FreeParameter> free{};
   double chi2 = 0.0;                      ///< Σ |w|² + |z|²
   Eigen::MatrixXd information{};          ///< of (free parameters, base), prior included
+  Eigen::MatrixXd scatter{};              ///< of the gradient, from stretch to stretch of time
   std::vector<Eigen::VectorXf> errors{};  ///< of each run
   std::vector<Eigen::MatrixXf> slopes{};  ///< of the errors by (free parameters, base)
   bool converged = false;
 
-  /// Standard errors of the free parameters in the searched coordinates.
+  /// Standard errors of the free parameters in the searched coordinates: from the curvature of the
+  /// likelihood, or from the scatter of its gradient (sandwich) where that says more, as it does
+  /// where errors hang together.
   [[nodiscard]] Eigen::VectorXd deviations() const;
 
   /// The model with the parameters that the other runs ask for, to first order.

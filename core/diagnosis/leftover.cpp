@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
 
+#include "core/diagnosis/chance.hpp"
 #include "core/diagnosis/parallel.hpp"
 #include "core/diagnosis/predictor.hpp"
 #include "core/diagnosis/torque_response.hpp"
@@ -290,9 +291,36 @@ void add_irregularities(const Likelihood& likelihood,
   }
 }
 
+/// Products of columns and errors, a row each tenth of a second.
+std::vector<Eigen::MatrixXd> pulls_by_stretch(const std::vector<Eigen::MatrixXf>& columns,
+                                              const std::vector<Eigen::VectorXf>& errors) {
+  constexpr Index kStretch = 3 * 100;  // three axes a sample
+  std::vector<Eigen::MatrixXd> pulls(errors.size());
+  for (std::size_t run = 0; run < errors.size(); ++run) {
+    const Index count = (errors[run].size() + kStretch - 1) / kStretch;
+    pulls[run].resize(count, columns[run].cols());
+    for (Index i = 0; i < count; ++i) {
+      const Index size = std::min(kStretch, errors[run].size() - i * kStretch);
+      pulls[run].row(i) = (columns[run].middleRows(i * kStretch, size).transpose() *
+                           errors[run].segment(i * kStretch, size))
+                              .transpose()
+                              .cast<double>();
+    }
+  }
+  return pulls;
+}
+
+Index rows_of(const std::vector<Eigen::MatrixXd>& pulls) {
+  Index rows = 0;
+  for (const Eigen::MatrixXd& each : pulls) {
+    rows += each.rows();
+  }
+  return rows;
+}
+
 }  // namespace
 
-std::vector<Leftover> leftovers(const Likelihood& likelihood, const Fit& now) {
+Leftovers leftovers(const Likelihood& likelihood, const Fit& now) {
   const DiagnosisCase& data = likelihood.data();
   const std::size_t runs = likelihood.runs();
   std::vector<States> states(runs);
@@ -303,15 +331,20 @@ std::vector<Leftover> leftovers(const Likelihood& likelihood, const Fit& now) {
   });
   const Scales scales = scales_of(data, states);
   const Eigen::LDLT<Eigen::MatrixXd> known{now.information};
-  std::vector<Leftover> found(kQuantities * data.axes());
-  for_each_index(found.size(), likelihood.threads(), [&](std::size_t job) {
+  const std::vector<Eigen::MatrixXd> known_pulls = pulls_by_stretch(now.slopes, now.errors);
+  Leftovers found;
+  found.all.resize(kQuantities * data.axes());
+  Pulls pulls{.by_stretch =
+                  Eigen::MatrixXd::Zero(rows_of(known_pulls), static_cast<Index>(found.all.size())),
+              .weight = Eigen::VectorXd::Ones(static_cast<Index>(found.all.size()))};
+  for_each_index(found.all.size(), likelihood.threads(), [&](std::size_t job) {
     const std::size_t quantity = job % kQuantities;
     const auto axis = static_cast<Index>(job / kQuantities);
     Eigen::VectorXd cross = Eigen::VectorXd::Zero(now.information.rows());
     double own = 0.0;
-    double pull = 0.0;
     double power = 0.0;
     double rows = 0.0;
+    std::vector<Eigen::MatrixXf> columns(runs);
     for (std::size_t run = 0; run < runs; ++run) {
       std::vector<JointVector> torque(data.runs[run].rows(), JointVector::Zero());
       for (std::size_t k = 0; k < torque.size(); ++k) {
@@ -319,25 +352,39 @@ std::vector<Leftover> leftovers(const Likelihood& likelihood, const Fit& now) {
         power += torque[k][axis] * torque[k][axis];
         rows += 1.0;
       }
-      const Eigen::VectorXf x = torque_response(likelihood.tether(run), mobility[run],
-                                                data.period_s, torque, Likelihood::kSettling);
-      cross += (now.slopes[run].transpose() * x).cast<double>();
-      own += static_cast<double>(x.squaredNorm());
-      pull += static_cast<double>(x.dot(now.errors[run]));
+      columns[run] = torque_response(likelihood.tether(run), mobility[run], data.period_s, torque,
+                                     Likelihood::kSettling);
+      cross += (now.slopes[run].transpose() * columns[run]).cast<double>();
+      own += static_cast<double>(columns[run].squaredNorm());
     }
     const double before = own;
-    own -= cross.dot(known.solve(cross));
+    const Eigen::VectorXd explained = known.solve(cross);
+    own -= cross.dot(explained);
     constexpr double kNew = 1e-3;  // share of a probe that the parameters must leave
-    Leftover& result = found[job];
+    Leftover& result = found.all[job];
     result.axis = static_cast<std::size_t>(axis);
     result.quantity = name_of(quantity);
     if (own < kNew * before) return;
+    const std::vector<Eigen::MatrixXd> own_pulls = pulls_by_stretch(columns, now.errors);
+    Index first = 0;
+    for (std::size_t run = 0; run < runs; ++run) {
+      pulls.by_stretch.col(static_cast<Index>(job)).segment(first, own_pulls[run].rows()) =
+          own_pulls[run].col(0) - known_pulls[run] * explained;
+      first += own_pulls[run].rows();
+    }
+    pulls.weight[static_cast<Index>(job)] = own;
+    const double pull = pulls.by_stretch.col(static_cast<Index>(job)).sum();
     result.gain = pull * pull / own;
     result.amplitude = std::abs(pull / own) * std::sqrt(power / rows);
   });
-  add_irregularities(likelihood, now, found);
-  std::stable_sort(found.begin(), found.end(),
-                   [](const Leftover& a, const Leftover& b) { return a.gain > b.gain; });
+  const auto by_gain = [](const Leftover& a, const Leftover& b) {
+    return a.gain > b.gain;
+  };
+  const auto largest = std::min_element(found.all.begin(), found.all.end(), by_gain);
+  constexpr std::uint64_t kSeed = 1;
+  found.p_value = chance_of(largest->gain, pulls, kSeed);
+  add_irregularities(likelihood, now, found.all);
+  std::stable_sort(found.all.begin(), found.all.end(), by_gain);
   return found;
 }
 

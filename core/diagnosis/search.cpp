@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -81,8 +82,9 @@ class Search {
     NoiseModel start;
     start.reading = likelihood_->data().resolution.cwiseMax(1e-9) / std::sqrt(12.0);
     SearchResult result;
-    result.nominal = weigh({}, fit_noise(*likelihood_, {}, start));
+    result.nominal = weigh_anew({}, fit_noise(*likelihood_, {}, start));
     Explanation best = result.nominal;
+    Explanation before;  // the last effect came
     std::vector<Explanation> rivals;
     while (best.fit.model.effects.size() < options_->most_effects && !stopped()) {
       std::vector<Explanation> next = extended(best);
@@ -93,12 +95,12 @@ class Search {
       });
       if (next.empty()) break;
       joined_.push_back(best.score() - next.front().score());
-      best = next.front();
+      before = std::exchange(best, next.front());
       rivals = std::move(next);
       say(fmt::format("found {}", name_of(best.fit.model.effects.back())));
     }
     result.best = best;
-    describe(result, rivals);
+    describe(result, before, rivals);
     result.unfinished = stopped();
     return result;
   }
@@ -123,28 +125,32 @@ class Search {
     advance(0.0);
   }
 
-  /// Fit and noise, in turn.
-  Explanation weigh(const MachineModel& start, const NoiseModel& noise) {
-    Explanation result;
+  /// Noise of a fitted model, and the fit under that noise. The likelihood keeps the noise.
+  Explanation weigh(const MachineModel& fitted, const NoiseModel& noise) {
     likelihood_->set_noise(noise);
-    base_ = base_columns(*likelihood_, start);
-    result.fit = fit(*likelihood_, base_, start, {.slopes = false});
-    result.noise = fit_noise(*likelihood_, result.fit.model, noise);
+    Explanation result;
+    result.noise = fit_noise(*likelihood_, fitted, noise);
     likelihood_->set_noise(result.noise);
-    base_ = base_columns(*likelihood_, result.fit.model);
-    result.fit = fit(*likelihood_, base_, result.fit.model);
+    result.fit = fit(*likelihood_, base_columns(*likelihood_, fitted), fitted);
     result.deviance = likelihood_->deviance(result.fit.model, result.noise).sum() +
                       result.fit.model.base.squaredNorm();
     result.left_out = result.deviance - result.fit.chi2 + result.fit.left_out();
     return result;
   }
 
+  /// The same of a model that was not fitted under this noise before.
+  Explanation weigh_anew(const MachineModel& start, const NoiseModel& noise) {
+    likelihood_->set_noise(noise);
+    const BaseColumns base = base_columns(*likelihood_, start);
+    return weigh(fit(*likelihood_, base, start, {.iterations = 8, .slopes = false}).model, noise);
+  }
+
   /// The model with one effect more, in several ways, the best first. Nothing when the search is
   /// stopped on the way.
   std::vector<Explanation> extended(const Explanation& now) {
+    likelihood_->set_noise(now.noise);
     constexpr double kScreened = 0.35;  // shares of a round, about
     constexpr double kAllFitted = 0.6;
-    likelihood_->set_noise(now.noise);
     say("screening");
     advance(0.0);
     const std::vector<Candidate> few =
@@ -158,7 +164,7 @@ class Search {
                               static_cast<double>(few.size()));
       MachineModel model = now.fit.model;
       model.effects.push_back(candidate.effect);
-      Fit trial = fit(*likelihood_, base, model, {.iterations = 8, .slopes = false});
+      Fit trial = fit(*likelihood_, base, model, {.iterations = 5, .slopes = false});
       if (std::isfinite(trial.chi2)) fits.push_back(std::move(trial));
     }
     const auto cost = [](const Fit& each) {
@@ -185,41 +191,32 @@ class Search {
     return next;
   }
 
-  /// What each effect is worth, its rivals and its parameters' uncertainty.
-  void describe(SearchResult& result, const std::vector<Explanation>& last_rivals) {
-    std::vector<EffectSpec> effects = result.best.fit.model.effects;
-    for (std::size_t i = 0; i < effects.size(); ++i) {
-      NamedEffect named;
-      std::vector<Explanation> rivals;
-      if (effects.size() == 1) {
-        rivals = last_rivals;
-        named.gain = result.nominal.score() - result.best.score();
-      } else if (stopped()) {
-        named.gain = joined_[i];
-      } else {
-        MachineModel without = result.best.fit.model;
-        without.effects.erase(without.effects.begin() + static_cast<std::ptrdiff_t>(i));
-        say(fmt::format("without {}", name_of(effects[i])));
-        const Explanation rest = weigh(without, result.best.noise);
-        named.gain = rest.score() - result.best.score();
-        rivals = extended(rest);
-        if (!rivals.empty() && rivals.front().score() < result.best.score() - 1.0) {
-          say(fmt::format("{} stands in for {}", name_of(rivals.front().fit.model.effects.back()),
-                          name_of(effects[i])));
-          result.best = rivals.front();
-          // The newcomer came last: it takes the place of the one it replaces.
-          std::vector<EffectSpec>& order = result.best.fit.model.effects;
-          std::rotate(order.begin() + static_cast<std::ptrdiff_t>(i), order.end() - 1, order.end());
-          effects = order;
-          result.best = weigh(result.best.fit.model, result.best.noise);
-        }
+  /// What each effect is worth, its rivals and its parameters' uncertainty. The rivals of the last
+  /// one are known from when it was chosen, unless an earlier one has been replaced since.
+  void describe(SearchResult& result,
+                const Explanation& before_last,
+                const std::vector<Explanation>& last_rivals) {
+    const std::size_t count = result.best.fit.model.effects.size();
+    bool replaced = false;
+    for (std::size_t i = 0; i < count; ++i) {
+      const bool known = i + 1 == count && !replaced;
+      if (!known && stopped()) {
+        result.effects.push_back({.effect = result.best.fit.model.effects[i], .gain = joined_[i]});
+        continue;
       }
+      const Explanation rest = known ? before_last : without(result.best, i);
+      const std::vector<Explanation> rivals = known ? last_rivals : extended(rest);
+      if (!rivals.empty() && rivals.front().score() < result.best.score() - 1.0) {
+        result.best = in_place_of(i, result.best, rivals.front());
+        replaced = true;
+      }
+      NamedEffect named{.effect = result.best.fit.model.effects[i],
+                        .gain = rest.score() - result.best.score()};
       for (const Explanation& rival : rivals) {
         const EffectSpec& other = rival.fit.model.effects.back();
-        if (same_place(other, effects[i])) continue;
+        if (same_place(other, named.effect)) continue;
         named.rivals.push_back({.effect = other, .behind = rival.score() - result.best.score()});
       }
-      named.effect = effects[i];
       result.effects.push_back(std::move(named));
     }
     likelihood_->set_noise(result.best.noise);
@@ -238,10 +235,26 @@ class Search {
     }
   }
 
+  Explanation without(const Explanation& best, std::size_t i) {
+    MachineModel rest = best.fit.model;
+    say(fmt::format("without {}", name_of(rest.effects[i])));
+    rest.effects.erase(rest.effects.begin() + static_cast<std::ptrdiff_t>(i));
+    return weigh_anew(rest, best.noise);
+  }
+
+  /// The rival's newcomer, which came last, at the place of the one that it replaces.
+  Explanation in_place_of(std::size_t i, const Explanation& best, const Explanation& rival) {
+    MachineModel model = rival.fit.model;
+    std::vector<EffectSpec>& order = model.effects;
+    say(fmt::format("{} stands in for {}", name_of(order.back()),
+                    name_of(best.fit.model.effects[i])));
+    std::rotate(order.begin() + static_cast<std::ptrdiff_t>(i), order.end() - 1, order.end());
+    return weigh(model, rival.noise);
+  }
+
   Likelihood* likelihood_;
   const SearchOptions* options_;
   MachineUse use_;
-  BaseColumns base_;
   std::vector<double> joined_{};  ///< what each effect was worth when it joined
   double done_ = 0.05;            ///< share of the work, about
 };
