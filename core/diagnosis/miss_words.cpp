@@ -35,11 +35,6 @@ std::string axes_text(const std::vector<double>& excess) {
   return "all axes";
 }
 
-const MissingProfile& profile(const AxisMiss& miss, std::string_view quantity) {
-  return *std::find_if(miss.profiles.begin(), miss.profiles.end(),
-                       [&](const MissingProfile& each) { return each.quantity == quantity; });
-}
-
 /// +1 where the torque rises with the quantity, −1 where it falls, 0 where it does neither.
 int slope_sign(const MissingProfile& of) {
   const double x = std::accumulate(of.middles.begin(), of.middles.end(), 0.0) /

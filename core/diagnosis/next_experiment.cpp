@@ -206,21 +206,33 @@ NextExperiment next_experiment(const Likelihood& likelihood,
 }
 
 std::string scenario_of(const NextExperiment& next,
-                        const std::string& plant,
+                        const PlantSpec& plant,
                         const std::string& log) {
   const ProbeMotion& motion = *next.motions.front().motion;
-  return fmt::format(
-      "# {}\n"
-      "# Written by teleop diagnose. On a real arm: device = \"usb\". The recording goes to\n"
-      "# run.log; give it to teleop diagnose together with the recordings so far.\n\n"
+  std::string text = fmt::format(
+      "# {}.\n#\n"
+      "# Written by teleop diagnose. As it stands, the arm is simulated with what was found so "
+      "far;\n"
+      "# on the real one: --set device=usb. Give run.log to teleop diagnose together with the "
+      "other\n"
+      "# recordings of that arm.\n\n"
       "experiment = \"probe\"\n"
       "name = \"next experiment\"\n"
-      "text = \"{}: {}\"\n"
-      "plant = \"{}\"\n\n"
+      "text = \"{}: tells {}\"\n\n"
       "[run]\n"
       "motion = \"{}\"\n"
-      "log = \"{}\"\n",
-      next.text, motion.text, motion.tells, plant, motion.name, log);
+      "log = \"{}\"\n\n"
+      "[plant]\n"
+      "arm = \"{}\"\n",
+      next.text, motion.text, motion.tells, motion.name, log, plant.arm);
+  for (const EffectSpec& effect : plant.effects) {
+    text += fmt::format("\n[[plant.effect]]\nkind = \"{}\"\n", effect.kind);
+    if (effect.axis) text += fmt::format("axis = {}\n", *effect.axis + 1);
+    for (const auto& [name, value] : effect.parameters) {
+      text += fmt::format("{} = {}\n", name, value);
+    }
+  }
+  return text;
 }
 
 }  // namespace teleop

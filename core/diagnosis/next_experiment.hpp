@@ -6,6 +6,7 @@
 
 #include "core/diagnosis/likelihood.hpp"
 #include "core/diagnosis/search.hpp"
+#include "core/effects/plant_spec.hpp"
 #include "core/identification/probe_motion.hpp"
 
 namespace teleop {
@@ -36,10 +37,10 @@ struct NextExperiment {
                                              const SearchResult& found,
                                              const std::string& left_over);
 
-/// The scenario that plays a motion on the arm and records it, as `teleop run` reads it.
-/// @param plant where it is simulated: a plant file, or the name of a shipped one
+/// The scenario that plays the first motion on the arm and records it, as `teleop run` reads it.
+/// @param plant that it is simulated on, unless a device is named: arm and effects
 [[nodiscard]] std::string scenario_of(const NextExperiment& next,
-                                      const std::string& plant,
+                                      const PlantSpec& plant,
                                       const std::string& log);
 
 }  // namespace teleop

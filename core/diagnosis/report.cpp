@@ -127,7 +127,7 @@ std::string diagnosis_page(const ReportedDiagnosis& reported) {
                                 ? std::string{"Nothing stands out of the noise."}
                                 : fmt::format("The difference sits on {}.", diagnosis.where.where);
   return fill_form(
-      diagnosis_page::form,
+      diagnosis_form::form,
       {{"case", escape_html(reported.data.name)},
        {"title", escape_html(headline)},
        {"mood", something_is_left(diagnosis) || diagnosis.found.unfinished ? "troubled" : "clean"},
@@ -149,7 +149,7 @@ std::string diagnosis_page(const ReportedDiagnosis& reported) {
        {"audit", audit_list(reported.audit)},
        {"method", method_part(diagnosis, reported.data)},
        {"style", std::string{page::style}},
-       {"own_style", std::string{diagnosis_page::style}}});
+       {"own_style", std::string{diagnosis_form::style}}});
 }
 
 std::string index_page(const std::vector<IndexEntry>& entries) {
@@ -169,7 +169,7 @@ std::string index_page(const std::vector<IndexEntry>& entries) {
       "index\">\n<thead><tr><th>case"
       "</th><th>verdict</th><th>what was found</th></tr></thead>\n{3}</table></div>\n</main>\n"
       "</body>\n</html>\n",
-      entries.size(), page::style, diagnosis_page::style, rows);
+      entries.size(), page::style, diagnosis_form::style, rows);
 }
 
 }  // namespace teleop

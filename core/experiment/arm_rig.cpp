@@ -2,6 +2,7 @@
 
 #include "core/effects/hand_motion.hpp"
 #include "core/experiment/scenario.hpp"
+#include "core/ports/peer.hpp"
 #include "core/simulation/arm_sim.hpp"
 
 namespace teleop {
