@@ -118,9 +118,13 @@ std::string where_of(const Diagnosis& diagnosis) {
   if (!diagnosis.where.where.empty()) parts.push_back(diagnosis.where.where);
   if (something_is_left(diagnosis)) {
     const Leftover& first = diagnosis.leftovers.front();
-    parts.push_back(fmt::format(
-        "left is a torque of about {:.2g} that follows {}{}{}", first.amplitude, first.quantity,
-        diagnosis.where.left_over.empty() ? "" : ": ", diagnosis.where.left_over));
+    const std::string& when = diagnosis.where.left_over.at(first.axis);
+    parts.push_back(fmt::format("left on axis {} is {}{}{}", first.axis + 1,
+                                first.amplitude > 0.0
+                                    ? fmt::format("a torque of about {:.2g} N m that follows {}",
+                                                  first.amplitude, first.quantity)
+                                    : first.quantity,
+                                when.empty() ? "" : ", ", when));
   }
   if (parts.empty()) return "nothing stands out of the noise";
   return fmt::format("{}", fmt::join(parts, "; "));

@@ -63,9 +63,10 @@ struct Localisation {
   /// The same rows that the maps were made of, a run each; nothing where a model runs away.
   std::vector<std::vector<TorqueSmoother::Row>> nominal_rows{};
   std::vector<std::vector<TorqueSmoother::Row>> corrected_rows{};
-  std::string where{};      ///< what the correction took away, in words; empty: nothing
-  std::string left_over{};  ///< what is left, in words: runs and frequencies
-  std::size_t axis = 0;     ///< that the nominal model misses most
+  std::string where{};  ///< what the correction took away, in words; empty: nothing
+  /// Runs and frequencies of what is left on each axis, in words; empty: nothing.
+  std::array<std::string, kJoints> left_over{};
+  std::size_t axis = 0;  ///< that the nominal model misses most
 };
 
 /// Looks where the nominal and the best model miss the recordings. The likelihood is to have the

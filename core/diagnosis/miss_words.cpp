@@ -175,11 +175,8 @@ void put_in_words(Localisation& found, const std::vector<std::string>& runs) {
     taken_away.push_back(excess_of(found.nominal.at(i).run_power, found.corrected.at(i).run_power));
     left.push_back(excess_of(found.corrected.at(i).run_power, noise));
   }
-  const auto worst = [](const std::vector<double>& excess) {
-    return static_cast<std::size_t>(std::max_element(excess.begin(), excess.end()) -
-                                    excess.begin());
-  };
-  found.axis = worst(taken_away);
+  const auto most = std::max_element(taken_away.begin(), taken_away.end());
+  found.axis = static_cast<std::size_t>(most - taken_away.begin());
   const AxisMiss& before = found.nominal.at(found.axis);
   const AxisMiss& after = found.corrected.at(found.axis);
   if (taken_away[found.axis] > kWorthMention && !before.profiles.empty()) {
@@ -187,13 +184,12 @@ void put_in_words(Localisation& found, const std::vector<std::string>& runs) {
                               runs_text(before.run_power, after.run_power, runs),
                               band_text(found.f_Hz, before.spectrum, after.spectrum));
   }
-  const std::size_t rest = worst(left);
-  if (left[rest] > kWorthMention) {
-    const AxisMiss& miss = found.corrected.at(rest);
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    if (left[i] <= kWorthMention) continue;
+    const AxisMiss& miss = found.corrected.at(i);
     const std::vector<double> flat(found.f_Hz.size(), 1.0);
-    found.left_over =
-        fmt::format("axis {}, {}, {}", rest + 1, runs_text(miss.run_power, noise, runs),
-                    band_text(found.f_Hz, miss.spectrum, flat));
+    found.left_over.at(i) = fmt::format("{}, {}", runs_text(miss.run_power, noise, runs),
+                                        band_text(found.f_Hz, miss.spectrum, flat));
   }
 }
 

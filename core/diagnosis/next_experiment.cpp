@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -108,7 +109,26 @@ double power_of(const std::vector<Eigen::VectorXf>& errors) {
   return sum;
 }
 
-/// Least log Bayes factors against each rival.
+/// Half of what the other model cannot explain of the recording that the true one would give.
+double unexplained(const Likelihood& likelihood,
+                   const MachineModel& truth,
+                   const MachineModel& other,
+                   const ProbeMotion& motion) {
+  DiagnosisCase imagined{.name = std::string{motion.name},
+                         .plant = likelihood.data().plant,
+                         .period_s = likelihood.data().period_s,
+                         .resolution = likelihood.data().resolution};
+  imagined.runs.push_back(imagine(imagined, likelihood.arm(), truth, motion));
+  Likelihood told{imagined, likelihood.arm(), 1};
+  told.set_noise(likelihood.noise());
+  const BaseColumns base = base_columns(told, truth);
+  const Fit best = fit(told, base, other, {.iterations = 5, .slopes = false});
+  const double more = best.chi2 - power_of(told.errors(truth));
+  return std::isfinite(more) ? std::max(0.0, more / 2.0) : 0.0;
+}
+
+/// Log Bayes factors against each rival, the mean of either being true: where one contains the
+/// other, only the richer one can leave something that the other does not explain.
 std::vector<double> evidence_of(const Likelihood& likelihood,
                                 const MachineModel& leading,
                                 const std::vector<Rival>& rivals,
@@ -116,22 +136,14 @@ std::vector<double> evidence_of(const Likelihood& likelihood,
   const auto as_asked = [&](const MachineModel& model) {
     return motion.hands_off ? let_go(model) : model;
   };
-  DiagnosisCase imagined{.name = std::string{motion.name},
-                         .plant = likelihood.data().plant,
-                         .period_s = likelihood.data().period_s,
-                         .resolution = likelihood.data().resolution};
-  const MachineModel truth = as_asked(leading);
-  imagined.runs.push_back(imagine(imagined, likelihood.arm(), truth, motion));
-  Likelihood told{imagined, likelihood.arm(), 1};
-  told.set_noise(likelihood.noise());
-  const double unavoidable = power_of(told.errors(truth));
-  const BaseColumns base = base_columns(told, truth);
+  const MachineModel first = as_asked(leading);
   std::vector<double> evidence;
   evidence.reserve(rivals.size());
   for (const Rival& rival : rivals) {
-    const Fit best = fit(told, base, as_asked(rival.model), {.iterations = 5, .slopes = false});
-    const double more = best.chi2 - unavoidable;
-    evidence.push_back(std::isfinite(more) ? std::max(0.0, more / 2.0) : 0.0);
+    const MachineModel other = as_asked(rival.model);
+    const double one = unexplained(likelihood, first, other, motion);
+    evidence.push_back(rival.absence ? one
+                                     : (one + unexplained(likelihood, other, first, motion)) / 2.0);
   }
   return evidence;
 }
@@ -175,25 +187,28 @@ NextExperiment next_experiment(const Likelihood& likelihood,
                                const SearchResult& found,
                                const std::string& left_over) {
   const std::vector<Rival> rivals = rivals_of(found);
-  if (rivals.empty()) return without_rivals(left_over);
+  if (rivals.empty() || !left_over.empty()) return without_rivals(left_over);
   const MachineModel leading{.effects = found.best.fit.model.effects};
   const std::span<const ProbeMotion> motions = probe_motions();
   std::vector<std::vector<double>> evidence(motions.size());
   for_each_index(motions.size(), likelihood.threads(), [&](std::size_t i) {
     evidence[i] = evidence_of(likelihood, leading, rivals, motions[i]);
   });
-  // What is settled once need not be settled better; below that more is better.
-  const auto worth = [](const std::vector<double>& each) {
-    return std::accumulate(each.begin(), each.end(), 0.0, [](double sum, double one) {
-      return sum + std::min(one, kEnough) + 1e-6 * one;
-    });
+  const bool ties = !rivals.front().absence;
+  // What is settled once need not be settled better; what is only measured is measured by the
+  // second.
+  const auto worth = [&](std::size_t i) {
+    double sum = 0.0;
+    for (const double each : evidence[i]) {
+      sum += ties ? std::min(each, kEnough) + 1e-6 * each : each / motions[i].seconds;
+    }
+    return sum;
   };
   std::vector<std::size_t> order(motions.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return worth(evidence[a]) > worth(evidence[b]);
-  });
-  NextExperiment next{.ties = !rivals.front().absence};
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return worth(a) > worth(b); });
+  NextExperiment next{.ties = ties};
   next.motions.reserve(order.size());
   for (const std::size_t i : order) {
     const auto least = std::min_element(evidence[i].begin(), evidence[i].end());

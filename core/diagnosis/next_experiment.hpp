@@ -16,7 +16,7 @@ namespace teleop {
 struct ExpectedEvidence {
   const ProbeMotion* motion = nullptr;
   std::string rival{};     ///< the one that is told apart least, in words
-  double log_bayes = 0.0;  ///< expected, at least: the rival may fit the new recording alone
+  double log_bayes = 0.0;  ///< expected, at least: the other may fit the new recording alone
 };
 
 /// The experiment to make next.
@@ -31,8 +31,9 @@ struct NextExperiment {
 ///
 ///     log Bayes factor ≥ ½ min Σ |w|²,
 ///
-/// with the innovations w whitened by the noise of the recordings at hand. Where there is no rival,
-/// each effect is held against its absence: what shows it best measures it best.
+/// with the innovations w whitened by the noise of the recordings at hand; then the other way
+/// round. Where there is no rival, each effect is held against its absence: what shows it best
+/// measures it best. Where something is left over that nobody can simulate, repetition is advised.
 [[nodiscard]] NextExperiment next_experiment(const Likelihood& likelihood,
                                              const SearchResult& found,
                                              const std::string& left_over);

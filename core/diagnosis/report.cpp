@@ -30,7 +30,8 @@ std::string leftover_sentence(const Diagnosis& diagnosis) {
   const Leftover& first = diagnosis.leftovers.front();
   const std::string size =
       first.amplitude > 0.0 ? quantity_text(first.amplitude, 0.0, "N m") + ", " : "";
-  return fmt::format("on axis {}, {}following {}", first.axis + 1, size, first.quantity);
+  return fmt::format("on axis {}, {}{}{}", first.axis + 1, size,
+                     first.amplitude > 0.0 ? "following " : "", first.quantity);
 }
 
 std::string figure(const std::string& label, const std::string& value, const std::string& more) {

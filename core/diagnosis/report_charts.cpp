@@ -50,19 +50,20 @@ std::string map_svg(const MissingMap& map, double scale, std::size_t axis) {
   return svg_of(svg);
 }
 
-/// The size that few cells exceed.
+/// The size that few cells exceed, and no less than what chance makes of some.
 double scale_of(const MissingMap& map) {
   std::vector<double> sizes;
+  std::vector<double> chance;
   for (const MissingMean& each : map.cells) {
-    if (each.significant()) sizes.push_back(std::abs(each.mean));
+    if (each.rows == 0) continue;
+    sizes.push_back(std::abs(each.mean));
+    chance.push_back(3.0 * each.deviation);
   }
-  if (sizes.empty()) {
-    for (const MissingMean& each : map.cells) {
-      if (each.rows > 0) sizes.push_back(2.0 * std::abs(each.mean));
-    }
-  }
-  std::sort(sizes.begin(), sizes.end());
-  return sizes.empty() ? 1e-3 : std::max(sizes[sizes.size() * 9 / 10], 1e-6);
+  const auto upper = [](std::vector<double>& values) {
+    std::sort(values.begin(), values.end());
+    return values.empty() ? 0.0 : values[values.size() * 9 / 10];
+  };
+  return std::max({upper(sizes), upper(chance), 1e-6});
 }
 
 void add_profile(SvgPlot& plot, const MissingProfile& profile, const char* name) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <iterator>
 
@@ -20,7 +21,7 @@ std::string spaced(std::string_view name) {
 }
 
 std::string percent(double share) {
-  if (share > 0.0 && share < 0.01) return "&lt; 1&nbsp;%";
+  if (share < 0.01) return "&lt; 1&nbsp;%";
   return fmt::format("{:.0f}&nbsp;%", 100.0 * share);
 }
 
@@ -144,9 +145,10 @@ std::string leftover_table(const Diagnosis& diagnosis) {
   std::string out;
   if (rest) {
     out += "<p>Something is left that no effect explains";
-    out += diagnosis.where.left_over.empty()
-               ? ".</p>"
-               : fmt::format(": {}.</p>", escape_html(diagnosis.where.left_over));
+    const std::size_t axis = diagnosis.leftovers.front().axis;
+    const std::string& when = diagnosis.where.left_over.at(axis);
+    out += when.empty() ? ".</p>"
+                        : fmt::format(", on axis {} in {}.</p>", axis + 1, escape_html(when));
   } else {
     out += fmt::format(
         "<p>Nothing but noise, as far as {} torques can tell that were tried on the prediction "
@@ -180,7 +182,10 @@ std::string audit_list(const Audit& audit) {
 
 std::string next_part(const ReportedDiagnosis& reported) {
   const NextExperiment& next = reported.diagnosis.next;
-  std::string out = fmt::format("<p class=\"lead\">{}.</p>\n", escape_html(next.text));
+  std::string text = next.text;
+  if (!text.empty())
+    text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
+  std::string out = fmt::format("<p class=\"lead\">{}.</p>\n", sentence_html(text));
   if (!reported.next_file.empty()) {
     out += fmt::format("<pre class=\"command\">teleop run {}</pre>\n",
                        escape_html(reported.next_file));
@@ -194,13 +199,14 @@ std::string next_part(const ReportedDiagnosis& reported) {
       "does</th><th>it tells least</th><th>expected log Bayes factor</th></tr></thead>\n";
   for (const ExpectedEvidence& each : next.motions) {
     fmt::format_to(std::back_inserter(out),
-                   "<tr><td>{}</td><td>{}</td><td>{}</td><td>{:.1f}</td></tr>\n", each.motion->name,
-                   escape_html(each.motion->text), escape_html(each.rival), each.log_bayes);
+                   "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", each.motion->name,
+                   escape_html(each.motion->text), escape_html(each.rival),
+                   each.log_bayes < 100.0 ? fmt::format("{:.1f}", each.log_bayes)
+                                          : fmt::format("{:.0f}", each.log_bayes));
   }
   return out +
-         "</table></div>\n<p class=\"note\">Each motion was simulated with the leading "
-         "explanation, "
-         "and the rivals fitted to what came out. 3 is worth a look, 10 settles the question.</p>";
+         "</table></div>\n<p class=\"note\">Each motion was simulated with one explanation and the "
+         "other fitted to what came out. 3 is worth a look, 10 settles the question.</p>";
 }
 
 std::string method_part(const Diagnosis& diagnosis, const DiagnosisCase& data) {

@@ -149,19 +149,19 @@ class Search {
   /// stopped on the way.
   std::vector<Explanation> extended(const Explanation& now) {
     likelihood_->set_noise(now.noise);
-    constexpr double kScreened = 0.35;  // shares of a round, about
-    constexpr double kAllFitted = 0.6;
-    say("screening");
+    constexpr double kScreened = 0.4;  // shares of a round, about
+    constexpr double kAllFitted = 0.5;
     advance(0.0);
+    say("screening");
     const std::vector<Candidate> few =
         promising(screen(*likelihood_, now.fit, use_), now.fit.model.effects);
     const BaseColumns base = base_columns(*likelihood_, now.fit.model);
     std::vector<Fit> fits;
     for (const Candidate& candidate : few) {
       if (stopped()) return {};
-      say(fmt::format("fitting {}", name_of(candidate.effect)));
       advance(kScreened + (kAllFitted - kScreened) * static_cast<double>(fits.size()) /
                               static_cast<double>(few.size()));
+      say(fmt::format("fitting {}", name_of(candidate.effect)));
       MachineModel model = now.fit.model;
       model.effects.push_back(candidate.effect);
       Fit trial = fit(*likelihood_, base, model, {.iterations = 5, .slopes = false});
@@ -178,9 +178,9 @@ class Search {
     for (const Fit& each : fits) {
       // The best of them is weighed even so: it is known by now.
       if (stopped() && !next.empty()) break;
-      say(fmt::format("weighing {}", name_of(each.model.effects.back())));
       advance(kAllFitted + (1.0 - kAllFitted) * static_cast<double>(next.size()) /
                                static_cast<double>(fits.size()));
+      say(fmt::format("weighing {}", name_of(each.model.effects.back())));
       Explanation weighed = weigh(each.model, now.noise);
       if (std::isfinite(weighed.deviance)) next.push_back(std::move(weighed));
     }

@@ -29,7 +29,8 @@ std::string sentence_html(const std::string& sentence) {
     } else {
       out += c;
     }
-    after_digit = '0' <= c && c <= '9';
+    // \xb1: the second half of ±
+    after_digit = ('0' <= c && c <= '9') || c == '\xb1';
   }
   return out;
 }

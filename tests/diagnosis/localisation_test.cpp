@@ -102,7 +102,7 @@ TEST(Localisation, FindsNothingWhereNothingIsMissing) {
     for (const MissingMean& each : miss.map.cells) {
       if (each.rows == 0) continue;
       ++seen;
-      sure += each.significant() ? 1 : 0;
+      sure += each.significant() ? 1U : 0U;
     }
   }
   EXPECT_GT(seen, 150U);
