@@ -10,12 +10,25 @@
 #include "core/diagnosis/predictor.hpp"
 #include "core/diagnosis/tether_covariance.hpp"
 #include "core/effects/vocabulary.hpp"
+#include "core/model/dynamics.hpp"
 
 namespace teleop {
 namespace {
 
 constexpr double kAlone_s = 0.25;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+/// By which the weight of the arm holds a joint where it is, or drives it away.
+JointMatrix weight_stiffness(const ArmModel& arm, const JointVector& q) {
+  constexpr double kStep = 1e-4;  // rad
+  JointMatrix stiffness;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const JointVector step = kStep * JointVector::Unit(i);
+    stiffness.col(i) =
+        (gravity_torque(arm, q + step) - gravity_torque(arm, q - step)) / (2.0 * kStep);
+  }
+  return stiffness;
+}
 
 /// What one run adds up while models are alone.
 struct Sums {
@@ -63,7 +76,7 @@ FreeRun free_run(const Likelihood& likelihood, const SearchResult& found) {
         continue;
       }
       const JointVector variance = known.of_innovation().diagonal();
-      known.pass(mobility[k]);
+      known.pass(mobility[k], weight_stiffness(likelihood.arm(), recording.q[k]));
       trace.deviation[k] = variance.cwiseSqrt();
       sums[run].noise += variance;
       sums[run].motion += (recording.q[k] - start).cwiseAbs2();

@@ -28,8 +28,8 @@ void TetherCovariance::update() {
   P_ -= (gain * P_.topRows<3>()).eval();
 }
 
-void TetherCovariance::pass(const JointMatrix& mobility) {
-  const Matrix F = transition(mobility);
+void TetherCovariance::pass(const JointMatrix& mobility, const JointMatrix& stiffness) {
+  const Matrix F = transition(mobility, stiffness);
   P_ = (F * P_ * F.transpose()).eval();
   Eigen::Matrix<double, 9, 3> push = Eigen::Matrix<double, 9, 3>::Zero();
   push.topRows<3>() = period_s_ * period_s_ / 2.0 * mobility;
@@ -41,13 +41,14 @@ void TetherCovariance::pass(const JointMatrix& mobility) {
 }
 
 void TetherCovariance::forget_disturbance() {
-  P_.rightCols<3>().setZero();
-  P_.bottomRows<3>().setZero();
-  P_.diagonal().tail<3>() = noise_.coloured.cwiseAbs2();
+  // Errors of an estimate do not hang together with the estimate: the rest of P stays.
+  P_.bottomRightCorner<3, 3>() = noise_.coloured.cwiseAbs2().asDiagonal();
 }
 
-TetherCovariance::Matrix TetherCovariance::transition(const JointMatrix& mobility) const {
+TetherCovariance::Matrix TetherCovariance::transition(const JointMatrix& mobility,
+                                                      const JointMatrix& stiffness) const {
   Matrix F = Matrix::Identity();
+  F.block<3, 3>(3, 0) = -period_s_ * mobility * stiffness;
   F.block<3, 3>(0, 3).diagonal().setConstant(period_s_);
   F.block<3, 3>(0, 6) = period_s_ * period_s_ / 2.0 * mobility;
   F.block<3, 3>(3, 6) = period_s_ * mobility;

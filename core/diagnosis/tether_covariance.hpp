@@ -25,13 +25,15 @@ class TetherCovariance {
   void update();
 
   /// A sample passes. @param mobility M⁻¹
-  void pass(const JointMatrix& mobility);
+  /// @param stiffness of weight and springs, N m/rad; the tether does not know of it
+  void pass(const JointMatrix& mobility, const JointMatrix& stiffness = JointMatrix::Zero());
 
-  /// The disturbance is no longer known better than that it is there.
+  /// The disturbance is taken for zero from now on, whatever was known of it.
   void forget_disturbance();
 
   /// What a sample makes of (q, v, d).
-  [[nodiscard]] Matrix transition(const JointMatrix& mobility) const;
+  [[nodiscard]] Matrix transition(const JointMatrix& mobility,
+                                  const JointMatrix& stiffness = JointMatrix::Zero()) const;
 
  private:
   NoiseModel noise_;

@@ -56,9 +56,11 @@ TEST(NextExperiment, TellsHeatFromAGainByRestAndRepetition) {
 }
 
 TEST(NextExperiment, SaysWhenNothingTellsTheRivalsApart) {
-  // On axis 1 a gain and an encoder scale predict the same recordings.
-  const NextExperiment next = next_of(tie(effect("torque_gain", 0, {{"gain", 0.98}}),
-                                          effect("encoder_scale", 0, {{"scale", 1.02}})));
+  // A level that hardly rises at rest is the same friction.
+  const NextExperiment next =
+      next_of(tie(effect("coulomb_friction", 0, {{"level", 0.004}}),
+                  effect("stribeck_friction", 0,
+                         {{"coulomb", 0.004}, {"static", 0.00401}, {"stribeck_velocity", 0.002}})));
   EXPECT_LT(next.motions.front().log_bayes, 3.0);
   EXPECT_TRUE(next.text.starts_with("none of the safe motions")) << next.text;
 }
