@@ -20,6 +20,8 @@ constexpr std::size_t kFitted = 8;       // candidates of a screening that are f
 constexpr std::size_t kWeighed = 4;      // and of these, those whose noise is fitted too
 constexpr double kLeastShare = 0.1;      // of the best gain, for a candidate to be fitted
 constexpr double kWorthAFit = 12.0;
+constexpr double kNoiseHelps = 10.0;  // what refitting the noise may add to a small gain
+constexpr double kBehind = 0.3;       // of the best gain, for a candidate to be weighed
 
 std::string name_of(const EffectSpec& effect) {
   std::string name = effect.kind;
@@ -49,6 +51,13 @@ bool same_place(const EffectSpec& a, const EffectSpec& b) {
     if (one->second != other->second) return false;
   }
   return true;
+}
+
+/// A play of less than half a count does nothing but what counting does.
+bool hides_in_counts(const EffectSpec& effect, const DiagnosisCase& data) {
+  if (effect.kind != "backlash" || !effect.axis) return false;
+  return effect.parameters.at("gap") <
+         0.5 * data.resolution[static_cast<Eigen::Index>(*effect.axis)];
 }
 
 /// The best trial of each place, best first.
@@ -141,7 +150,8 @@ class Search {
       MachineModel model = now.fit.model;
       model.effects.push_back(candidate.effect);
       Fit trial = fit(*likelihood_, base, model, {.iterations = 5, .slopes = false});
-      if (std::isfinite(trial.chi2)) fits.push_back(std::move(trial));
+      const bool seen = !hides_in_counts(trial.model.effects.back(), likelihood_->data());
+      if (seen && std::isfinite(trial.chi2)) fits.push_back(std::move(trial));
     }
     const auto cost = [](const Fit& each) {
       return each.chi2 + kParameterCost * static_cast<double>(each.free.size());
@@ -149,12 +159,18 @@ class Search {
     std::stable_sort(fits.begin(), fits.end(),
                      [&](const Fit& a, const Fit& b) { return cost(a) < cost(b); });
     if (fits.size() > kWeighed) fits.resize(kWeighed);
-    if (fits.empty() || now.fit.chi2 - fits.front().chi2 < options_->least_gain) return {};
+    const double here = cost(now.fit) - kEffectCost;
+    const double most = fits.empty() ? 0.0 : here - cost(fits.front());
+    std::erase_if(fits, [&](const Fit& each) {
+      const double gain = here - cost(each);
+      return gain < options_->least_gain - kNoiseHelps || gain < kBehind * most;
+    });
     std::vector<Explanation> next;
     for (const Fit& each : fits) {
       say(fmt::format("weighing {}", name_of(each.model.effects.back())));
       Explanation weighed = weigh(each.model, now.noise);
-      if (std::isfinite(weighed.deviance)) next.push_back(std::move(weighed));
+      const bool seen = !hides_in_counts(weighed.fit.model.effects.back(), likelihood_->data());
+      if (seen && std::isfinite(weighed.deviance)) next.push_back(std::move(weighed));
     }
     std::stable_sort(next.begin(), next.end(), [](const Explanation& a, const Explanation& b) {
       return a.score() < b.score();
