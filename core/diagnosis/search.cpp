@@ -178,20 +178,40 @@ class Search {
     return next;
   }
 
+  /// Drops effects that say nothing beside those that came after them.
+  /// @returns the explanations without each of those that stay
+  std::vector<Explanation> prune(SearchResult& result, const Explanation& before_last) {
+    std::vector<Explanation> rests;
+    bool as_chosen = true;
+    while (rests.size() < result.best.fit.model.effects.size()) {
+      const bool last = rests.size() + 1 == result.best.fit.model.effects.size();
+      Explanation rest = last && as_chosen ? before_last : without(result, rests.size());
+      if (rest.score() < result.best.score() + options_->least_gain) {
+        result.best = std::move(rest);
+        rests.clear();
+        as_chosen = false;
+      } else {
+        rests.push_back(std::move(rest));
+      }
+    }
+    return rests;
+  }
+
   /// What each effect is worth, its rivals and its parameters' uncertainty. The rivals of the last
-  /// one are known from when it was chosen, unless an earlier one has been replaced since.
+  /// one are known from when it was chosen, unless the others have changed since.
   void describe(SearchResult& result,
                 const Explanation& before_last,
                 const std::vector<Explanation>& last_rivals) {
-    const std::size_t count = result.best.fit.model.effects.size();
-    bool replaced = false;
-    for (std::size_t i = 0; i < count; ++i) {
-      const bool known = i + 1 == count && !replaced;
-      const Explanation rest = known ? before_last : without(result.best, i);
+    const std::size_t chosen = result.best.fit.model.effects.size();
+    const std::vector<Explanation> rests = prune(result, before_last);
+    bool as_chosen = chosen == rests.size();
+    for (std::size_t i = 0; i < rests.size(); ++i) {
+      const bool known = as_chosen && i + 1 == chosen;
+      const Explanation rest = as_chosen ? rests[i] : without(result, i);
       const std::vector<Explanation> rivals = known ? last_rivals : extended(rest);
       if (!rivals.empty() && rivals.front().score() < result.best.score() - 1.0) {
         result.best = in_place_of(i, result.best, rivals.front());
-        replaced = true;
+        as_chosen = false;
       }
       NamedEffect named{.effect = result.best.fit.model.effects[i],
                         .gain = rest.score() - result.best.score()};
@@ -218,11 +238,12 @@ class Search {
     }
   }
 
-  Explanation without(const Explanation& best, std::size_t i) {
-    MachineModel rest = best.fit.model;
+  Explanation without(const SearchResult& found, std::size_t i) {
+    MachineModel rest = found.best.fit.model;
+    if (rest.effects.size() == 1) return found.nominal;
     say(fmt::format("without {}", name_of(rest.effects[i])));
     rest.effects.erase(rest.effects.begin() + static_cast<std::ptrdiff_t>(i));
-    return weigh_anew(rest, best.noise);
+    return weigh_anew(rest, found.best.noise);
   }
 
   /// The rival's newcomer, which came last, at the place of the one that it replaces.
