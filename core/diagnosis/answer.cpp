@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "core/diagnosis/self_check.hpp"
 #include "core/effects/vocabulary.hpp"
 
 namespace teleop {
@@ -19,6 +20,7 @@ using Json = nlohmann::ordered_json;
 constexpr double kTemperature = 3.0;
 /// A regularity that is left with more than this is no accident.
 constexpr double kLeftover = 30.0;
+constexpr double kBeyondReplicas = 2.0;
 
 /// Probability that the largest of so many independent values that are χ² of one degree exceeds
 /// this one.
@@ -56,8 +58,10 @@ HeldOutFit held_out(Likelihood& likelihood, const Explanation& best) {
   return result;
 }
 
-Verdict judge(const Diagnosis& diagnosis) {
-  const bool rest = !diagnosis.leftovers.empty() && diagnosis.leftovers.front().gain > kLeftover;
+/// @param replicas what seemed to be left over of recordings that the explanation itself made
+Verdict judge(const Diagnosis& diagnosis, double replicas) {
+  const double left = diagnosis.leftovers.empty() ? 0.0 : diagnosis.leftovers.front().gain;
+  const bool rest = left > std::max(kLeftover, kBeyondReplicas * replicas);
   if (diagnosis.found.effects.empty()) return rest ? Verdict::unexplained : Verdict::adequate;
   return rest ? Verdict::partly_explained : Verdict::explained;
 }
@@ -212,7 +216,14 @@ Diagnosis diagnose(Likelihood& likelihood, const SearchOptions& options) {
   likelihood.set_noise(diagnosis.found.best.noise);
   Leftovers left = leftovers(likelihood, diagnosis.found.best.fit);
   diagnosis.leftovers = std::move(left.all);
-  diagnosis.verdict = judge(diagnosis);
+  double replicas = 0.0;
+  if (!diagnosis.found.effects.empty() || judge(diagnosis, 0.0) != Verdict::adequate) {
+    if (options.progress) options.progress("replicas");
+    const SelfCheck check = self_check(likelihood, diagnosis.found.best);
+    widen(diagnosis.found, check);
+    replicas = check.leftover;
+  }
+  diagnosis.verdict = judge(diagnosis, replicas);
   diagnosis.p_value = left.p_value;
   for (const NamedEffect& effect : diagnosis.found.effects) {
     diagnosis.p_value = std::min(diagnosis.p_value, p_value_of(effect.gain, kPlaces));

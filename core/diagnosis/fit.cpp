@@ -52,15 +52,6 @@ MachineModel with(const MachineModel& model,
   return other;
 }
 
-Eigen::VectorXd coordinates_of(const MachineModel& model, const std::vector<FreeParameter>& free) {
-  Eigen::VectorXd x{static_cast<Index>(free.size())};
-  for (std::size_t i = 0; i < free.size(); ++i) {
-    x[static_cast<Index>(i)] =
-        searched(free[i], model.effects[free[i].effect].parameters.at(free[i].name));
-  }
-  return x;
-}
-
 /// A model whose parameters contradict each other cannot be simulated.
 bool possible(const MachineModel& model) {
   try {
@@ -243,6 +234,15 @@ std::vector<FreeParameter> free_parameters(const std::vector<EffectSpec>& effect
     }
   }
   return free;
+}
+
+Eigen::VectorXd coordinates_of(const MachineModel& model, const std::vector<FreeParameter>& free) {
+  Eigen::VectorXd x{static_cast<Index>(free.size())};
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    x[static_cast<Index>(i)] =
+        searched(free[i], model.effects[free[i].effect].parameters.at(free[i].name));
+  }
+  return x;
 }
 
 BaseColumns base_columns(const Likelihood& likelihood, const MachineModel& model) {

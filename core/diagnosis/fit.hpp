@@ -23,6 +23,10 @@ struct FreeParameter {
 /// Every fitted parameter of the effects; one whose role is on_evidence where it is given.
 [[nodiscard]] std::vector<FreeParameter> free_parameters(const std::vector<EffectSpec>& effects);
 
+/// The values of free parameters of a model, in the coordinates in which they are searched.
+[[nodiscard]] Eigen::VectorXd coordinates_of(const MachineModel& model,
+                                             const std::vector<FreeParameter>& free);
+
 /// What the rigid body's departures do to the errors of each run, a column each.
 using BaseColumns = std::vector<Eigen::MatrixXf>;
 [[nodiscard]] BaseColumns base_columns(const Likelihood& likelihood, const MachineModel& model);

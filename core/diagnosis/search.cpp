@@ -20,6 +20,8 @@ constexpr std::size_t kFitted = 8;       // candidates of a screening that are f
 constexpr std::size_t kWeighed = 4;      // and of these, those whose noise is fitted too
 constexpr double kLeastShare = 0.1;      // of the best gain, for a candidate to be fitted
 constexpr double kWorthAFit = 12.0;
+constexpr double kNoiseHelps = 10.0;  // what refitting the noise may add to a small gain
+constexpr double kBehind = 0.3;       // of the best gain, for a candidate to be weighed
 
 std::string name_of(const EffectSpec& effect) {
   std::string name = effect.kind;
@@ -49,6 +51,13 @@ bool same_place(const EffectSpec& a, const EffectSpec& b) {
     if (one->second != other->second) return false;
   }
   return true;
+}
+
+/// A play of less than half a count does nothing but what counting does.
+bool hides_in_counts(const EffectSpec& effect, const DiagnosisCase& data) {
+  if (effect.kind != "backlash" || !effect.axis) return false;
+  return effect.parameters.at("gap") <
+         0.5 * data.resolution[static_cast<Eigen::Index>(*effect.axis)];
 }
 
 /// The best trial of each place, best first.
@@ -165,7 +174,8 @@ class Search {
       MachineModel model = now.fit.model;
       model.effects.push_back(candidate.effect);
       Fit trial = fit(*likelihood_, base, model, {.iterations = 5, .slopes = false});
-      if (std::isfinite(trial.chi2)) fits.push_back(std::move(trial));
+      const bool seen = !hides_in_counts(trial.model.effects.back(), likelihood_->data());
+      if (seen && std::isfinite(trial.chi2)) fits.push_back(std::move(trial));
     }
     const auto cost = [](const Fit& each) {
       return each.chi2 + kParameterCost * static_cast<double>(each.free.size());
@@ -173,7 +183,12 @@ class Search {
     std::stable_sort(fits.begin(), fits.end(),
                      [&](const Fit& a, const Fit& b) { return cost(a) < cost(b); });
     if (fits.size() > kWeighed) fits.resize(kWeighed);
-    if (fits.empty() || now.fit.chi2 - fits.front().chi2 < options_->least_gain) return {};
+    const double here = cost(now.fit) - kEffectCost;
+    const double most = fits.empty() ? 0.0 : here - cost(fits.front());
+    std::erase_if(fits, [&](const Fit& each) {
+      const double gain = here - cost(each);
+      return gain < options_->least_gain - kNoiseHelps || gain < kBehind * most;
+    });
     std::vector<Explanation> next;
     for (const Fit& each : fits) {
       // The best of them is weighed even so: it is known by now.
@@ -182,7 +197,8 @@ class Search {
                                static_cast<double>(fits.size()));
       say(fmt::format("weighing {}", name_of(each.model.effects.back())));
       Explanation weighed = weigh(each.model, now.noise);
-      if (std::isfinite(weighed.deviance)) next.push_back(std::move(weighed));
+      const bool seen = !hides_in_counts(weighed.fit.model.effects.back(), likelihood_->data());
+      if (seen && std::isfinite(weighed.deviance)) next.push_back(std::move(weighed));
     }
     end_round();
     std::stable_sort(next.begin(), next.end(), [](const Explanation& a, const Explanation& b) {
@@ -191,24 +207,45 @@ class Search {
     return next;
   }
 
+  /// Drops effects that say nothing beside those that came after them.
+  /// @returns the explanations without each of those that stay
+  std::vector<Explanation> prune(SearchResult& result, const Explanation& before_last) {
+    std::vector<Explanation> rests;
+    bool as_chosen = true;
+    while (rests.size() < result.best.fit.model.effects.size()) {
+      const bool last = rests.size() + 1 == result.best.fit.model.effects.size();
+      Explanation rest = last && as_chosen ? before_last : without(result, rests.size());
+      if (rest.score() < result.best.score() + options_->least_gain) {
+        result.best = std::move(rest);
+        rests.clear();
+        as_chosen = false;
+      } else {
+        rests.push_back(std::move(rest));
+      }
+    }
+    return rests;
+  }
+
   /// What each effect is worth, its rivals and its parameters' uncertainty. The rivals of the last
-  /// one are known from when it was chosen, unless an earlier one has been replaced since.
+  /// one are known from when it was chosen, unless the others have changed since.
   void describe(SearchResult& result,
                 const Explanation& before_last,
                 const std::vector<Explanation>& last_rivals) {
-    const std::size_t count = result.best.fit.model.effects.size();
-    bool replaced = false;
-    for (std::size_t i = 0; i < count; ++i) {
-      const bool known = i + 1 == count && !replaced;
-      if (!known && stopped()) {
-        result.effects.push_back({.effect = result.best.fit.model.effects[i], .gain = joined_[i]});
-        continue;
-      }
-      const Explanation rest = known ? before_last : without(result.best, i);
+    const std::size_t chosen = result.best.fit.model.effects.size();
+    const bool in_haste = stopped() && chosen > 1;
+    for (std::size_t i = 0; in_haste && i < chosen; ++i) {
+      result.effects.push_back({.gain = joined_[i]});
+    }
+    const std::vector<Explanation> rests =
+        in_haste ? std::vector<Explanation>{} : prune(result, before_last);
+    bool as_chosen = chosen == rests.size();
+    for (std::size_t i = 0; i < rests.size(); ++i) {
+      const bool known = as_chosen && i + 1 == chosen;
+      const Explanation rest = as_chosen ? rests[i] : without(result, i);
       const std::vector<Explanation> rivals = known ? last_rivals : extended(rest);
       if (!rivals.empty() && rivals.front().score() < result.best.score() - 1.0) {
         result.best = in_place_of(i, result.best, rivals.front());
-        replaced = true;
+        as_chosen = false;
       }
       NamedEffect named{.effect = result.best.fit.model.effects[i],
                         .gain = rest.score() - result.best.score()};
@@ -235,11 +272,12 @@ class Search {
     }
   }
 
-  Explanation without(const Explanation& best, std::size_t i) {
-    MachineModel rest = best.fit.model;
+  Explanation without(const SearchResult& found, std::size_t i) {
+    MachineModel rest = found.best.fit.model;
+    if (rest.effects.size() == 1) return found.nominal;
     say(fmt::format("without {}", name_of(rest.effects[i])));
     rest.effects.erase(rest.effects.begin() + static_cast<std::ptrdiff_t>(i));
-    return weigh_anew(rest, best.noise);
+    return weigh_anew(rest, found.best.noise);
   }
 
   /// The rival's newcomer, which came last, at the place of the one that it replaces.

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/diagnosis/exact_reading.hpp"
 #include "core/diagnosis/noise_model.hpp"
 #include "core/diagnosis/recording.hpp"
 #include "core/effects/vocabulary.hpp"
@@ -48,6 +49,7 @@ inline DiagnosisCase make_case(const MadeCase& made) {
       phase(i) = random.uniform(0.0, 2.0 * std::numbers::pi);
     }
     Plant plant{arm, {.terms = terms, .stops = false, .q = home}};
+    ExactReading reading{terms, home, JointVector::Zero()};
     Recording run{.name = "run-0" + std::to_string(r + 1) + ".csv"};
     const JointVector memory =
         (-data.period_s * made.noise.time_constant.cwiseInverse()).array().exp();
@@ -67,10 +69,7 @@ inline DiagnosisCase make_case(const MadeCase& made) {
         coloured[i] = memory[i] * coloured[i] + std::sqrt(1.0 - memory[i] * memory[i]) *
                                                     made.noise.coloured[i] * random.normal();
       }
-      JointVector sensed = plant.drive_q();
-      for (std::size_t i = 0; i < kJoints; ++i) {
-        sensed[static_cast<Eigen::Index>(i)] *= terms.sensing[i].scale;
-      }
+      const JointVector sensed = reading.of(plant.drive_q());
       const JointVector q = data.resolution.cwiseProduct(
           (sensed.cwiseQuotient(data.resolution)).array().round().matrix());
       speed += 0.2 * ((q - last) / data.period_s - speed);
@@ -84,7 +83,7 @@ inline DiagnosisCase make_case(const MadeCase& made) {
       run.tau.push_back(tau);
       plant.set_torque(tau);
       plant.set_disturbance(white + coloured);
-      plant.advance(Duration{1'000'000});
+      plant.advance(Duration{1'000'000}, reading.observer());
     }
     data.runs.push_back(std::move(run));
   }

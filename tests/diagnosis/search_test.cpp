@@ -51,6 +51,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds,
                                            effect("viscous_friction", 0, {{"coefficient", 0.005}}),
                                            effect("torque_deadzone", 2, {{"threshold", 0.003}}),
                                            effect("amplifier_lag", 1, {{"time_constant", 3e-3}}),
+                                           effect("sensor_delay", 1, {{"delay", 6.3e-3}}),
                                            effect("torque_gain", 1, {{"gain", 0.93}})),
                          [](const auto& tested) { return tested.param.kind; });
 
