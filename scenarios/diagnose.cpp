@@ -210,7 +210,8 @@ void diagnose_all(const DiagnoseOptions& options,
   const std::size_t threads =
       options.threads > 0 ? static_cast<std::size_t>(options.threads) : cores;
   std::vector<IndexEntry> index;
-  for (std::size_t i = 0; i < cases.size() && !asked; ++i) {
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    if (asked && i > 0) break;  // of the first something is known in any case
     ProgressLine line{cases[i].name};
     Likelihood likelihood{cases[i], load_arm(cases[i].plant), threads};
     const Diagnosis diagnosis =

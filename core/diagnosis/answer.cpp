@@ -217,7 +217,9 @@ Diagnosis diagnose(Likelihood& likelihood, const SearchOptions& options) {
   Leftovers left = leftovers(likelihood, diagnosis.found.best.fit);
   diagnosis.leftovers = std::move(left.all);
   double replicas = 0.0;
-  if (!diagnosis.found.effects.empty() || judge(diagnosis, 0.0) != Verdict::adequate) {
+  const bool worth_a_check =
+      !diagnosis.found.effects.empty() || judge(diagnosis, 0.0) != Verdict::adequate;
+  if (worth_a_check && !diagnosis.found.unfinished) {
     if (options.progress) options.progress("replicas");
     const SelfCheck check = self_check(likelihood, diagnosis.found.best);
     widen(diagnosis.found, check);
