@@ -229,7 +229,7 @@ void diagnose_all(const DiagnoseOptions& options,
                answer);
     index.push_back({.name = cases[i].name,
                      .file = cases[i].name + ".html",
-                     .verdict = answer["verdict"].get<std::string>(),
+                     .verdict = std::string{text_of(diagnosis.verdict)},
                      .headline = headline_of(diagnosis)});
   }
   if (!options.report_dir.empty()) {
