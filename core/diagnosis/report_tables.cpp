@@ -44,8 +44,7 @@ std::string parameter_row(const NamedEffect& named, const EffectParameter& param
   if (free != nullptr) {
     constexpr double k90 = 1.645;
     deviation = deviations_of(named).at(std::string{parameter.name});
-    interval = fmt::format("{} to {}", quantity_text(number - k90 * deviation, 0.0, parameter.unit),
-                           quantity_text(number + k90 * deviation, 0.0, parameter.unit));
+    interval = interval_text(number - k90 * deviation, number + k90 * deviation, parameter.unit);
     whence = "fitted";
   }
   return fmt::format(

@@ -50,29 +50,48 @@ int decimals_of(double size, int digits) {
 
 }  // namespace
 
-std::string quantity_text(double value, double deviation, std::string_view unit) {
+namespace {
+
+/// The multiple of a unit in which a number of some size is handy.
+struct Multiple {
+  double factor = 1.0;
+  std::string unit{};
+};
+
+Multiple multiple_of(double size, std::string_view unit) {
   const WrittenUnit how = written(unit);
-  double factor = how.scale;
-  std::string_view prefix;
-  const double size = std::abs(value) * factor;
-  if (how.prefixed && size > 0.0) {
-    if (size < 0.9995e-3) {
-      factor *= 1e6;
-      prefix = "µ";
-    } else if (size < 0.9995) {
-      factor *= 1e3;
-      prefix = "m";
-    }
+  const double shown = std::abs(size) * how.scale;
+  if (how.prefixed && shown > 0.0 && shown < 0.9995e-3) {
+    return {.factor = 1e6 * how.scale, .unit = fmt::format("µ{}", how.text)};
   }
-  const double shown = value * factor;
-  const char* sign = shown < 0.0 ? "−" : "";
+  if (how.prefixed && shown > 0.0 && shown < 0.9995) {
+    return {.factor = 1e3 * how.scale, .unit = fmt::format("m{}", how.text)};
+  }
+  return {.factor = how.scale, .unit = std::string{how.text}};
+}
+
+std::string number_text(double value, int decimals) {
+  return fmt::format("{}{:.{}f}", value < 0.0 ? "−" : "", std::abs(value), decimals);
+}
+
+}  // namespace
+
+std::string quantity_text(double value, double deviation, std::string_view unit) {
+  const Multiple in = multiple_of(value, unit);
+  const double shown = value * in.factor;
   if (!(deviation > 0.0)) {
-    return fmt::format("{}{:.{}f} {}{}", sign, std::abs(shown), decimals_of(std::abs(shown), 3),
-                       prefix, how.text);
+    return fmt::format("{} {}", number_text(shown, decimals_of(std::abs(shown), 3)), in.unit);
   }
-  const int decimals = decimals_of(deviation * factor, 1);
-  return fmt::format("{}{:.{}f} ± {:.{}f} {}{}", sign, std::abs(shown), decimals,
-                     deviation * factor, decimals, prefix, how.text);
+  const int decimals = decimals_of(deviation * in.factor, 1);
+  return fmt::format("{} ± {} {}", number_text(shown, decimals),
+                     number_text(deviation * in.factor, decimals), in.unit);
+}
+
+std::string interval_text(double low, double high, std::string_view unit) {
+  const Multiple in = multiple_of((low + high) / 2.0, unit);
+  const int decimals = decimals_of((high - low) * in.factor, 2);
+  return fmt::format("{} to {} {}", number_text(low * in.factor, decimals),
+                     number_text(high * in.factor, decimals), in.unit);
 }
 
 EffectValues::EffectValues(const EffectSpec& effect, std::map<std::string, double> deviations)

@@ -69,5 +69,10 @@ TEST(QuantityText, ChoosesHandyUnits) {
   EXPECT_EQ(quantity_text(0.0, 0.01, "1"), "0 ± 1 %");
 }
 
+TEST(IntervalText, HasTwoDigitsOfItsWidth) {
+  EXPECT_EQ(interval_text(0.011016, 0.011105, "N m"), "11.016 to 11.105 mNm");
+  EXPECT_EQ(interval_text(-0.3, 0.5, "1"), "−30 to 50 %");
+}
+
 }  // namespace
 }  // namespace teleop
