@@ -17,6 +17,12 @@ void add_diagnose(CLI::App& app, Action& action) {
   verb->add_option("--data", options->data, "folder of the recordings, if not beside the case");
   verb->add_option("--json", options->json, "the answer, of a single case");
   verb->add_option("--json-dir", options->json_dir, "folder for an answer a case, NAME.json");
+  verb->add_option("--report", options->report,
+                   "page about a single case in plain words and pictures, FILE.html");
+  verb->add_option("--report-dir", options->report_dir,
+                   "folder for a page a case, NAME.html, and index.html that leads to them");
+  verb->add_option("--next", options->next,
+                   "scenario of the experiment that tells most next; teleop run executes it");
   verb->add_option("--corrected", options->corrected,
                    "plant file of a single case: the nominal arm with what was found");
   verb->add_option("--threads", options->threads, "0: one a core; the answer is the same")

@@ -5,6 +5,7 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "core/diagnosis/self_check.hpp"
@@ -116,11 +117,21 @@ Json leftover_axis(const Leftover& leftover, const DiagnosisCase& data) {
 }
 
 std::string where_of(const Diagnosis& diagnosis) {
+  std::vector<std::string> parts;
+  if (diagnosis.found.unfinished) parts.emplace_back("unfinished, the search was stopped");
+  if (!diagnosis.where.where.empty()) parts.push_back(diagnosis.where.where);
   if (something_is_left(diagnosis)) {
     const Leftover& first = diagnosis.leftovers.front();
-    return fmt::format("a torque of about {:.2g} that follows {}", first.amplitude, first.quantity);
+    const std::string& when = diagnosis.where.left_over.at(first.axis);
+    parts.push_back(fmt::format("left on axis {} is {}{}{}", first.axis + 1,
+                                first.amplitude > 0.0
+                                    ? fmt::format("a torque of about {:.2g} N m that follows {}",
+                                                  first.amplitude, first.quantity)
+                                    : first.quantity,
+                                when.empty() ? "" : ", ", when));
   }
-  return diagnosis.found.effects.empty() ? "nothing stands out of the noise" : "";
+  if (parts.empty()) return "nothing stands out of the noise";
+  return fmt::format("{}", fmt::join(parts, "; "));
 }
 
 Json rivals_of(const Diagnosis& diagnosis, std::size_t effect, const DiagnosisCase& data) {
@@ -219,6 +230,21 @@ Diagnosis diagnose(Likelihood& likelihood, const SearchOptions& options) {
   }
   diagnosis.fit = held_out(likelihood, diagnosis.found.best);
   weigh_rivals(diagnosis);
+  likelihood.set_noise(diagnosis.found.best.noise);
+  const auto say = [&options](const char* text) {
+    if (options.progress) options.progress(text);
+  };
+  say("locating");
+  diagnosis.where = localise(likelihood, diagnosis.found);
+  diagnosis.free = free_run(likelihood, diagnosis.found);
+  if (diagnosis.found.unfinished) {
+    diagnosis.next.text = "none yet: run the diagnosis to its end";
+    return diagnosis;
+  }
+  say("choosing the next experiment");
+  diagnosis.next =
+      next_experiment(likelihood, diagnosis.found,
+                      something_is_left(diagnosis) ? diagnosis.leftovers.front().quantity : "");
   return diagnosis;
 }
 
@@ -231,7 +257,7 @@ nlohmann::ordered_json answer_of(const Diagnosis& diagnosis, const DiagnosisCase
             {"corrected_nrmse", diagnosis.fit.corrected},
             {"noise_floor_nrmse", diagnosis.fit.floor},
             {"held_out_runs", diagnosis.fit.runs}}},
-          {"next_experiment", ""}};
+          {"next_experiment", diagnosis.next.text}};
 }
 
 }  // namespace teleop

@@ -6,8 +6,11 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "core/diagnosis/free_run.hpp"
 #include "core/diagnosis/leftover.hpp"
 #include "core/diagnosis/likelihood.hpp"
+#include "core/diagnosis/localisation.hpp"
+#include "core/diagnosis/next_experiment.hpp"
 #include "core/diagnosis/search.hpp"
 
 namespace teleop {
@@ -34,6 +37,9 @@ struct Diagnosis {
   HeldOutFit fit{};
   std::vector<double> confidences{};                     ///< of each effect
   std::vector<std::vector<double>> rival_confidences{};  ///< of each effect's rivals
+  Localisation where{};
+  FreeRun free{};
+  NextExperiment next{};
 };
 
 /// Searches, looks at what is left over and judges.

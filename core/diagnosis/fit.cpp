@@ -274,13 +274,24 @@ Eigen::VectorXd Fit::deviations() const {
       .cwiseSqrt();
 }
 
-Eigen::VectorXf Fit::left_out_errors(std::size_t run) const {
+/// Without this run the other runs' gradient is the opposite of its own.
+Eigen::VectorXd Fit::left_out_move(std::size_t run) const {
   const Eigen::MatrixXf& J = slopes[run];
-  const Eigen::VectorXf& w = errors[run];
   const Eigen::MatrixXd rest = information - (J.transpose() * J).cast<double>();
-  // Without this run the other runs' gradient is the opposite of its own.
-  const Eigen::VectorXd move = rest.ldlt().solve((J.transpose() * w).cast<double>());
-  return w + J * move.cast<float>();
+  return rest.ldlt().solve((J.transpose() * errors[run]).cast<double>());
+}
+
+MachineModel Fit::left_out_model(std::size_t run) const {
+  const Eigen::VectorXd move = left_out_move(run);
+  const auto own = static_cast<Index>(free.size());
+  const Eigen::VectorXd x = coordinates_of(model, free) + move.head(own);
+  MachineModel other = with(model, free, x.data());
+  other.base += move.tail<BasePrior::kSize>();
+  return possible(other) ? other : model;
+}
+
+Eigen::VectorXf Fit::left_out_errors(std::size_t run) const {
+  return errors[run] + slopes[run] * left_out_move(run).cast<float>();
 }
 
 double Fit::left_out() const {

@@ -47,11 +47,18 @@ struct Fit {
   /// where errors hang together.
   [[nodiscard]] Eigen::VectorXd deviations() const;
 
+  /// The model with the parameters that the other runs ask for, to first order.
+  [[nodiscard]] MachineModel left_out_model(std::size_t run) const;
+
   /// Errors of a run under the parameters that the other runs ask for, to first order.
   [[nodiscard]] Eigen::VectorXf left_out_errors(std::size_t run) const;
 
   /// Σ |w|² of all runs so.
   [[nodiscard]] double left_out() const;
+
+ private:
+  /// By which (free parameters, base) move when a run is left out.
+  [[nodiscard]] Eigen::VectorXd left_out_move(std::size_t run) const;
 };
 
 struct FitOptions {

@@ -95,7 +95,7 @@ class Search {
     Explanation best = result.nominal;
     Explanation before;  // the last effect came
     std::vector<Explanation> rivals;
-    while (best.fit.model.effects.size() < options_->most_effects) {
+    while (best.fit.model.effects.size() < options_->most_effects && !stopped()) {
       std::vector<Explanation> next = extended(best);
       // What does not help to predict the other runs is not there.
       std::erase_if(next, [&](const Explanation& each) {
@@ -103,18 +103,35 @@ class Search {
                each.score() > best.score() - options_->least_gain;
       });
       if (next.empty()) break;
+      joined_.push_back(best.score() - next.front().score());
       before = std::exchange(best, next.front());
       rivals = std::move(next);
       say(fmt::format("found {}", name_of(best.fit.model.effects.back())));
     }
     result.best = best;
     describe(result, before, rivals);
+    result.unfinished = stopped();
     return result;
   }
 
  private:
   void say(const std::string& text) const {
     if (options_->progress) options_->progress(text);
+  }
+
+  [[nodiscard]] bool stopped() const noexcept {
+    return options_->stop != nullptr && options_->stop->load(std::memory_order_relaxed);
+  }
+
+  /// A round of the search has come so far, 0 to 1. How many follow nobody knows: each is taken
+  /// for half of what is left.
+  void advance(double in_round) const {
+    if (options_->advanced) options_->advanced(done_ + 0.5 * in_round * (1.0 - done_));
+  }
+
+  void end_round() {
+    done_ += 0.5 * (1.0 - done_);
+    advance(0.0);
   }
 
   /// Noise of a fitted model, and the fit under that noise. The likelihood keeps the noise.
@@ -137,15 +154,22 @@ class Search {
     return weigh(fit(*likelihood_, base, start, {.iterations = 8, .slopes = false}).model, noise);
   }
 
-  /// The model with one effect more, in several ways, the best first.
+  /// The model with one effect more, in several ways, the best first. Nothing when the search is
+  /// stopped on the way.
   std::vector<Explanation> extended(const Explanation& now) {
     likelihood_->set_noise(now.noise);
+    constexpr double kScreened = 0.4;  // shares of a round, about
+    constexpr double kAllFitted = 0.5;
+    advance(0.0);
     say("screening");
     const std::vector<Candidate> few =
         promising(screen(*likelihood_, now.fit, use_), now.fit.model.effects);
     const BaseColumns base = base_columns(*likelihood_, now.fit.model);
     std::vector<Fit> fits;
     for (const Candidate& candidate : few) {
+      if (stopped()) return {};
+      advance(kScreened + (kAllFitted - kScreened) * static_cast<double>(fits.size()) /
+                              static_cast<double>(few.size()));
       say(fmt::format("fitting {}", name_of(candidate.effect)));
       MachineModel model = now.fit.model;
       model.effects.push_back(candidate.effect);
@@ -167,11 +191,16 @@ class Search {
     });
     std::vector<Explanation> next;
     for (const Fit& each : fits) {
+      // The best of them is weighed even so: it is known by now.
+      if (stopped() && !next.empty()) break;
+      advance(kAllFitted + (1.0 - kAllFitted) * static_cast<double>(next.size()) /
+                               static_cast<double>(fits.size()));
       say(fmt::format("weighing {}", name_of(each.model.effects.back())));
       Explanation weighed = weigh(each.model, now.noise);
       const bool seen = !hides_in_counts(weighed.fit.model.effects.back(), likelihood_->data());
       if (seen && std::isfinite(weighed.deviance)) next.push_back(std::move(weighed));
     }
+    end_round();
     std::stable_sort(next.begin(), next.end(), [](const Explanation& a, const Explanation& b) {
       return a.score() < b.score();
     });
@@ -203,6 +232,12 @@ class Search {
                 const Explanation& before_last,
                 const std::vector<Explanation>& last_rivals) {
     const std::size_t chosen = result.best.fit.model.effects.size();
+    if (chosen > 1 && stopped()) {
+      for (std::size_t i = 0; i < chosen; ++i) {
+        result.effects.push_back({.effect = result.best.fit.model.effects[i], .gain = joined_[i]});
+      }
+      return add_deviations(result);
+    }
     const std::vector<Explanation> rests = prune(result, before_last);
     bool as_chosen = chosen == rests.size();
     for (std::size_t i = 0; i < rests.size(); ++i) {
@@ -222,6 +257,10 @@ class Search {
       }
       result.effects.push_back(std::move(named));
     }
+    add_deviations(result);
+  }
+
+  void add_deviations(SearchResult& result) {
     likelihood_->set_noise(result.best.noise);
     const Eigen::VectorXd all = result.best.fit.deviations();
     for (std::size_t i = 0; i < result.effects.size(); ++i) {
@@ -259,6 +298,8 @@ class Search {
   Likelihood* likelihood_;
   const SearchOptions* options_;
   MachineUse use_;
+  std::vector<double> joined_{};  ///< what each effect was worth when it joined
+  double done_ = 0.05;            ///< share of the work, about
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <functional>
 #include <optional>
@@ -40,12 +41,15 @@ struct SearchResult {
   Explanation nominal{};
   Explanation best{};
   std::vector<NamedEffect> effects{};
+  bool unfinished = false;  ///< somebody stopped the search: effects or rivals may be missing
 };
 
 struct SearchOptions {
   std::size_t most_effects = 3;
   double least_gain = 15.0;  ///< in score, for another effect
   std::function<void(const std::string&)> progress{};
+  std::function<void(double)> advanced{};   ///< share of the work that is done, about
+  const std::atomic<bool>* stop = nullptr;  ///< set by whoever wants what is known by then
 };
 
 /// Looks for the fewest effects that explain the recordings: the vocabulary is screened, the most

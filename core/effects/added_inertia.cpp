@@ -1,5 +1,9 @@
 #include <array>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -18,6 +22,11 @@ std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
   return {{{0.01 * use.at(axis).inertia}}};
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("{} has {} {} inertia than the model.", of.axis(), of.magnitude("inertia"),
+                     of.value("inertia") < 0.0 ? "less" : "more");
+}
+
 }  // namespace
 
 const EffectKind added_inertia{
@@ -27,6 +36,7 @@ const EffectKind added_inertia{
     .parameters = kParameters,
     .plug = plug,
     .trials = trials,
+    .words = words,
 };
 
 }  // namespace teleop

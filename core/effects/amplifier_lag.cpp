@@ -1,5 +1,9 @@
 #include <array>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -23,6 +27,11 @@ std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
   return {{{4e-4}}, {{3e-3}}};
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("{} follows its commands with a time constant of {}: a slow amplifier.",
+                     of.axis(), of.size("time_constant"));
+}
+
 }  // namespace
 
 const EffectKind amplifier_lag{
@@ -32,6 +41,7 @@ const EffectKind amplifier_lag{
     .parameters = kParameters,
     .plug = plug,
     .trials = trials,
+    .words = words,
 };
 
 }  // namespace teleop

@@ -1,6 +1,10 @@
 #include <array>
 #include <cmath>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -33,6 +37,11 @@ std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
   return all;
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("{} also receives {} of the commands of axis {:.0f}: the axes are coupled.",
+                     of.axis(), of.size("fraction"), of.value("from_axis"));
+}
+
 }  // namespace
 
 const EffectKind axis_coupling{
@@ -43,6 +52,7 @@ const EffectKind axis_coupling{
     .parameters = kParameters,
     .plug = plug,
     .trials = trials,
+    .words = words,
 };
 
 }  // namespace teleop

@@ -1,6 +1,10 @@
 #include <array>
+#include <string>
+
+#include <fmt/format.h>
 
 #include "core/base/error.hpp"
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -36,6 +40,11 @@ std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
   return {{{2e-4, 0.0}}, {{1e-3, 0.0}}, {{4e-3, 0.0}}};
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("{} has {} of play between motor and link: backlash.", of.axis(),
+                     of.size("gap"));
+}
+
 }  // namespace
 
 const EffectKind backlash{
@@ -45,6 +54,7 @@ const EffectKind backlash{
     .parameters = kParameters,
     .plug = plug,
     .trials = trials,
+    .words = words,
 };
 
 }  // namespace teleop

@@ -1,5 +1,9 @@
 #include <array>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -35,6 +39,12 @@ std::vector<double> sized_here(const EffectTrial& trial, std::span<const double>
   return {trial[0][0] * shares[0], trial[1][1] * shares[1]};
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format(
+      "The base leans by {} about x and {} about z: weight acts in another direction.",
+      of.size("tilt_x"), of.size("tilt_z"));
+}
+
 }  // namespace
 
 const EffectKind base_tilt{
@@ -46,6 +56,7 @@ const EffectKind base_tilt{
     .plug = plug,
     .trials = trials,
     .sized = sized_here,
+    .words = words,
 };
 
 }  // namespace teleop

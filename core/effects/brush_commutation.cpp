@@ -1,6 +1,10 @@
 #include <array>
 #include <numbers>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -22,6 +26,11 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
       .amplitude = values[0], .frequency = 2.0 * std::numbers::pi / values[1], .phase = values[2]};
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("{} has a winding whose resistance changes by {} as its brushes pass.",
+                     of.axis(), of.size("depth"));
+}
+
 }  // namespace
 
 const EffectKind brush_commutation{
@@ -30,6 +39,7 @@ const EffectKind brush_commutation{
     .channel = Channel::actuation,
     .parameters = kParameters,
     .plug = plug,
+    .words = words,
 };
 
 }  // namespace teleop

@@ -1,6 +1,10 @@
 #include <algorithm>
 #include <array>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -36,6 +40,11 @@ std::vector<double> sized_here(const EffectTrial& trial, std::span<const double>
   return {trial[0][0] * sum, (shares[0] * trial[0][1] + shares[1] * trial[1][1]) / sum};
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("{} is pulled towards {} by {}: a cable or spring acts on it.", of.axis(),
+                     of.size("rest_angle"), of.size("stiffness"));
+}
+
 }  // namespace
 
 const EffectKind cable_spring{
@@ -46,6 +55,7 @@ const EffectKind cable_spring{
     .plug = plug,
     .trials = trials,
     .sized = sized_here,
+    .words = words,
 };
 
 }  // namespace teleop

@@ -1,5 +1,9 @@
 #include <array>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -30,6 +34,11 @@ std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
   return {{{0.03 * use.at(axis).torque, 0.0}}};
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("{} loses {} against every motion: dry friction{}.", of.axis(),
+                     of.size("level"), of.asymmetry());
+}
+
 }  // namespace
 
 const EffectKind coulomb_friction{
@@ -40,6 +49,7 @@ const EffectKind coulomb_friction{
     .parameters = kParameters,
     .plug = plug,
     .trials = trials,
+    .words = words,
 };
 
 }  // namespace teleop

@@ -63,6 +63,8 @@ struct EffectSpec {
   [[nodiscard]] bool operator==(const EffectSpec&) const = default;
 };
 
+class EffectValues;
+
 /// One kind of physical effect: its name, its parameters and what it adds to the plant. Each kind
 /// is one file that defines one constant of this type; kinds.hpp and vocabulary.cpp list them.
 struct EffectKind {
@@ -83,6 +85,9 @@ struct EffectKind {
   /// The parameter values that stand for so many times each departure of a trial; none: every
   /// parameter that has a neutral value departs from it by the share of the first departure.
   std::vector<double> (*sized)(const EffectTrial& trial, std::span<const double> shares) = nullptr;
+
+  /// The effect in one plain sentence; every kind has its own. See effect_words.hpp.
+  std::string (*words)(const EffectValues& of) = nullptr;
 };
 
 /// EffectKind::sized or what stands for it. The values may be out of their ranges.

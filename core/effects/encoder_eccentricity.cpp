@@ -1,8 +1,12 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <string>
+
+#include <fmt/format.h>
 
 #include "core/base/error.hpp"
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -46,6 +50,13 @@ std::vector<double> sized_here(const EffectTrial& trial, std::span<const double>
   return {amplitude, std::atan2(shares[1], shares[0]), trial[0][2]};
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format(
+      "{} misreads its angle by up to {}, {:.3g} times a turn of the joint: a code wheel "
+      "off centre.",
+      of.axis(), of.size("amplitude"), of.value("cycles_per_joint_rev"));
+}
+
 }  // namespace
 
 const EffectKind encoder_eccentricity{
@@ -57,6 +68,7 @@ const EffectKind encoder_eccentricity{
     .plug = plug,
     .trials = trials,
     .sized = sized_here,
+    .words = words,
 };
 
 }  // namespace teleop

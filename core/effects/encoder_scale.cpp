@@ -1,5 +1,9 @@
 #include <array>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -23,6 +27,11 @@ std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
   return {{{1.01}}};
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("{} reads {} than it turns: its encoder has another number of counts.",
+                     of.axis(), of.departure("scale"));
+}
+
 }  // namespace
 
 const EffectKind encoder_scale{
@@ -32,6 +41,7 @@ const EffectKind encoder_scale{
     .parameters = kParameters,
     .plug = plug,
     .trials = trials,
+    .words = words,
 };
 
 }  // namespace teleop

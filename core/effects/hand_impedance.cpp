@@ -1,5 +1,9 @@
 #include <array>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -68,6 +72,11 @@ std::vector<double> sized_here(const EffectTrial& trial, std::span<const double>
   return values;
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("Something holds the tool with {}, {} and {}: a hand.", of.size("stiffness"),
+                     of.size("damping"), of.size("mass"));
+}
+
 }  // namespace
 
 const EffectKind hand_impedance{
@@ -79,6 +88,7 @@ const EffectKind hand_impedance{
     .plug = plug,
     .trials = trials,
     .sized = sized_here,
+    .words = words,
 };
 
 }  // namespace teleop

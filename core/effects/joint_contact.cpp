@@ -1,7 +1,11 @@
 #include <array>
 #include <cmath>
+#include <string>
+
+#include <fmt/format.h>
 
 #include "core/base/error.hpp"
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -52,6 +56,12 @@ std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
   return all;
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("{} meets something {} {}, as stiff as {}: contact.", of.axis(),
+                     of.value("side") > 0.0 ? "above" : "below", of.size("location"),
+                     of.size("stiffness"));
+}
+
 }  // namespace
 
 const EffectKind joint_contact{
@@ -62,6 +72,7 @@ const EffectKind joint_contact{
     .parameters = kParameters,
     .plug = plug,
     .trials = trials,
+    .words = words,
 };
 
 }  // namespace teleop

@@ -1,6 +1,10 @@
 #include <array>
+#include <string>
+
+#include <fmt/format.h>
 
 #include "core/base/error.hpp"
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -40,6 +44,11 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
   motor.inductance_H = values[4];
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("{} is driven by a current amplifier of {} that gives {} at most.", of.axis(),
+                     of.size("bandwidth_Hz"), of.size("current_limit_A"));
+}
+
 }  // namespace
 
 const EffectKind linear_amplifier{
@@ -50,6 +59,7 @@ const EffectKind linear_amplifier{
     .channel = Channel::actuation,
     .parameters = kParameters,
     .plug = plug,
+    .words = words,
 };
 
 }  // namespace teleop

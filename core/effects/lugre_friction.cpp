@@ -1,6 +1,10 @@
 #include <array>
+#include <string>
+
+#include <fmt/format.h>
 
 #include "core/base/error.hpp"
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -35,6 +39,13 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
                                      .micro_damping = values[4]};
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format(
+      "{} loses {} against fast motion, up to {} against slow, and bends before it slips: friction "
+      "of bristles.",
+      of.axis(), of.size("coulomb"), of.size("static"));
+}
+
 }  // namespace
 
 const EffectKind lugre_friction{
@@ -43,6 +54,7 @@ const EffectKind lugre_friction{
     .channel = Channel::joint,
     .parameters = kParameters,
     .plug = plug,
+    .words = words,
 };
 
 }  // namespace teleop

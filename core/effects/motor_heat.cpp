@@ -1,5 +1,9 @@
 #include <array>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -41,6 +45,11 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
   motor.ambient_C = values[6];
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("{} has a motor that warms up by {} of its losses.", of.axis(),
+                     of.size("housing_to_ambient_K_per_W"));
+}
+
 }  // namespace
 
 const EffectKind motor_heat{
@@ -51,6 +60,7 @@ const EffectKind motor_heat{
     .channel = Channel::actuation,
     .parameters = kParameters,
     .plug = plug,
+    .words = words,
 };
 
 }  // namespace teleop

@@ -1,5 +1,9 @@
 #include <array>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -20,6 +24,10 @@ std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
   return {{{2e-3}}};
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("The tool carries {} more than the model knows: a payload.", of.size("mass"));
+}
+
 }  // namespace
 
 const EffectKind payload{
@@ -30,6 +38,7 @@ const EffectKind payload{
     .parameters = kParameters,
     .plug = plug,
     .trials = trials,
+    .words = words,
 };
 
 }  // namespace teleop

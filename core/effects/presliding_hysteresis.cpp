@@ -1,5 +1,9 @@
 #include <array>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -32,6 +36,13 @@ std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
   return all;
 }
 
+std::string words(const EffectValues& of) {
+  const double bend = of.value("level") / of.value("stiffness");
+  return fmt::format(
+      "{} loses {} against motion and bends by {} before it slips: presliding friction.", of.axis(),
+      of.size("level"), quantity_text(bend, 0.0, "rad"));
+}
+
 }  // namespace
 
 const EffectKind presliding_hysteresis{
@@ -41,6 +52,7 @@ const EffectKind presliding_hysteresis{
     .parameters = kParameters,
     .plug = plug,
     .trials = trials,
+    .words = words,
 };
 
 }  // namespace teleop

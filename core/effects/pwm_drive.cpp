@@ -1,6 +1,10 @@
 #include <array>
+#include <string>
+
+#include <fmt/format.h>
 
 #include "core/base/error.hpp"
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -37,6 +41,11 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
   motor.inductance_H = values[3];
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("{} is driven by a voltage of {} that is switched at {}.", of.axis(),
+                     of.size("supply_V"), of.size("carrier_Hz"));
+}
+
 }  // namespace
 
 const EffectKind pwm_drive{
@@ -47,6 +56,7 @@ const EffectKind pwm_drive{
     .channel = Channel::actuation,
     .parameters = kParameters,
     .plug = plug,
+    .words = words,
 };
 
 }  // namespace teleop

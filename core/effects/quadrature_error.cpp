@@ -1,5 +1,9 @@
 #include <array>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -22,6 +26,11 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
   terms.sensing.at(axis).duty_error = values[1];
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("{} counts unevenly, by {} between its two channels: a misaligned encoder.",
+                     of.axis(), of.magnitude("phase_error"));
+}
+
 }  // namespace
 
 const EffectKind quadrature_error{
@@ -30,6 +39,7 @@ const EffectKind quadrature_error{
     .channel = Channel::sensing,
     .parameters = kParameters,
     .plug = plug,
+    .words = words,
 };
 
 }  // namespace teleop

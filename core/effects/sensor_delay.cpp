@@ -1,5 +1,9 @@
 #include <array>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -23,6 +27,10 @@ std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
   return {{{4e-4}}, {{3e-3}}};
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("{} is read {} late: a delay of the sensor.", of.axis(), of.size("delay"));
+}
+
 }  // namespace
 
 const EffectKind sensor_delay{
@@ -32,6 +40,7 @@ const EffectKind sensor_delay{
     .parameters = kParameters,
     .plug = plug,
     .trials = trials,
+    .words = words,
 };
 
 }  // namespace teleop

@@ -1,5 +1,9 @@
 #include <array>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -22,6 +26,11 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
   terms.sensing.at(axis).interpolation_error = values[1];
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("{} divides each encoder line into {:.0f} steps: a sine encoder.", of.axis(),
+                     of.value("steps_per_line"));
+}
+
 }  // namespace
 
 const EffectKind sine_encoder{
@@ -30,6 +39,7 @@ const EffectKind sine_encoder{
     .channel = Channel::sensing,
     .parameters = kParameters,
     .plug = plug,
+    .words = words,
 };
 
 }  // namespace teleop

@@ -1,6 +1,10 @@
 #include <array>
+#include <string>
+
+#include <fmt/format.h>
 
 #include "core/base/error.hpp"
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -43,6 +47,13 @@ std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
   return all;
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format(
+      "{} loses {} against fast motion and up to {} against slow: dry friction that falls with "
+      "speed.",
+      of.axis(), of.size("coulomb"), of.size("static"));
+}
+
 }  // namespace
 
 const EffectKind stribeck_friction{
@@ -53,6 +64,7 @@ const EffectKind stribeck_friction{
     .parameters = kParameters,
     .plug = plug,
     .trials = trials,
+    .words = words,
 };
 
 }  // namespace teleop

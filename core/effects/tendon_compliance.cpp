@@ -1,5 +1,9 @@
 #include <array>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -16,6 +20,12 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
   terms.sensing.at(axis).tendon_stiffness = values[0];
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format(
+      "{} reads an angle that gives way under torque by a spring of {}: a soft tendon.", of.axis(),
+      of.size("stiffness"));
+}
+
 }  // namespace
 
 const EffectKind tendon_compliance{
@@ -24,6 +34,7 @@ const EffectKind tendon_compliance{
     .channel = Channel::sensing,
     .parameters = kParameters,
     .plug = plug,
+    .words = words,
 };
 
 }  // namespace teleop

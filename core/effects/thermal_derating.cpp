@@ -1,6 +1,10 @@
 #include <algorithm>
 #include <array>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -28,6 +32,13 @@ std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
   return {{{loss, 1.0}}, {{loss, 4.0}}, {{loss, 15.0}}};
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format(
+      "{} loses torque as its motor warms up, in the long run {} at 30 mNm, with a time constant "
+      "of {}.",
+      of.axis(), of.size("loss"), of.size("time_constant"));
+}
+
 }  // namespace
 
 const EffectKind thermal_derating{
@@ -37,6 +48,7 @@ const EffectKind thermal_derating{
     .parameters = kParameters,
     .plug = plug,
     .trials = trials,
+    .words = words,
 };
 
 }  // namespace teleop

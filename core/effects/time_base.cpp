@@ -1,5 +1,9 @@
 #include <array>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -23,6 +27,11 @@ std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
   return {{{1.002}}};
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("A sample lasts {} than stated: the clock is off.",
+                     of.departure("ratio", "longer", "shorter"));
+}
+
 }  // namespace
 
 const EffectKind time_base{
@@ -33,6 +42,7 @@ const EffectKind time_base{
     .parameters = kParameters,
     .plug = plug,
     .trials = trials,
+    .words = words,
 };
 
 }  // namespace teleop

@@ -1,5 +1,9 @@
 #include <array>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -25,6 +29,10 @@ void plug(PlantTerms& terms, std::size_t /*axis*/, std::span<const double> value
       .fitted = true, .noise = values[0], .bandwidth_Hz = values[1], .range = values[2]};
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("The tool carries an accelerometer with a noise of {}.", of.size("noise"));
+}
+
 }  // namespace
 
 const EffectKind tool_accelerometer{
@@ -35,6 +43,7 @@ const EffectKind tool_accelerometer{
     .channel = Channel::sensing,
     .parameters = kParameters,
     .plug = plug,
+    .words = words,
 };
 
 }  // namespace teleop

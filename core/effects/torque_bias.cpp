@@ -1,5 +1,9 @@
 #include <array>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -21,6 +25,11 @@ std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
   return {{{0.02 * use.at(axis).torque}}};
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("{} is always pushed by {} in {} direction: a constant torque.", of.axis(),
+                     of.magnitude("bias"), of.value("bias") < 0.0 ? "negative" : "positive");
+}
+
 }  // namespace
 
 const EffectKind torque_bias{
@@ -30,6 +39,7 @@ const EffectKind torque_bias{
     .parameters = kParameters,
     .plug = plug,
     .trials = trials,
+    .words = words,
 };
 
 }  // namespace teleop

@@ -1,5 +1,9 @@
 #include <array>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -22,6 +26,11 @@ std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
   return {{{0.03 * torque}}, {{0.15 * torque}}};
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("{} loses the first {} of every command: a dead zone.", of.axis(),
+                     of.size("threshold"));
+}
+
 }  // namespace
 
 const EffectKind torque_deadzone{
@@ -31,6 +40,7 @@ const EffectKind torque_deadzone{
     .parameters = kParameters,
     .plug = plug,
     .trials = trials,
+    .words = words,
 };
 
 }  // namespace teleop

@@ -1,5 +1,9 @@
 #include <array>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -23,6 +27,11 @@ std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
   return {{{1.02}}};
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("{} delivers {} torque than it is told: its torque constant or gain is off.",
+                     of.axis(), of.departure("gain"));
+}
+
 }  // namespace
 
 const EffectKind torque_gain{
@@ -32,6 +41,7 @@ const EffectKind torque_gain{
     .parameters = kParameters,
     .plug = plug,
     .trials = trials,
+    .words = words,
 };
 
 }  // namespace teleop

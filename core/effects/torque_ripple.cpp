@@ -1,8 +1,12 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <string>
+
+#include <fmt/format.h>
 
 #include "core/base/error.hpp"
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -48,6 +52,12 @@ std::vector<double> sized_here(const EffectTrial& trial, std::span<const double>
   return {amplitude, trial[0][1], std::atan2(shares[1], shares[0])};
 }
 
+std::string words(const EffectValues& of) {
+  const double times = 2.0 * std::numbers::pi / of.value("period");
+  return fmt::format("{} is pushed to and fro by {}, {:.3g} times a turn of the joint: cogging.",
+                     of.axis(), of.size("amplitude"), times);
+}
+
 }  // namespace
 
 const EffectKind torque_ripple{
@@ -59,6 +69,7 @@ const EffectKind torque_ripple{
     .plug = plug,
     .trials = trials,
     .sized = sized_here,
+    .words = words,
 };
 
 }  // namespace teleop

@@ -1,6 +1,10 @@
 #include <algorithm>
 #include <array>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -20,6 +24,11 @@ std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
   return {{{0.9 * peak}}, {{0.7 * peak}}, {{0.5 * peak}}};
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("{} gives no more than {} whatever is commanded: its amplifier saturates.",
+                     of.axis(), of.size("limit"));
+}
+
 }  // namespace
 
 const EffectKind torque_saturation{
@@ -29,6 +38,7 @@ const EffectKind torque_saturation{
     .parameters = kParameters,
     .plug = plug,
     .trials = trials,
+    .words = words,
 };
 
 }  // namespace teleop

@@ -2,8 +2,12 @@
 #include <array>
 #include <limits>
 #include <numbers>
+#include <string>
+
+#include <fmt/format.h>
 
 #include "core/base/error.hpp"
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -51,6 +55,12 @@ std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
   return all;
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format(
+      "{} is driven through a spring of {} with damping {}: an elastic transmission.", of.axis(),
+      of.size("stiffness"), of.size("damping"));
+}
+
 }  // namespace
 
 const EffectKind transmission_compliance{
@@ -60,6 +70,7 @@ const EffectKind transmission_compliance{
     .parameters = kParameters,
     .plug = plug,
     .trials = trials,
+    .words = words,
 };
 
 }  // namespace teleop

@@ -1,6 +1,10 @@
 #include <algorithm>
 #include <array>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "core/effects/effect_words.hpp"
 #include "core/effects/kinds.hpp"
 
 namespace teleop {
@@ -32,6 +36,11 @@ std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
   return {{{0.02 * own.torque / std::max(own.speed, 1e-6), 0.0}}};
 }
 
+std::string words(const EffectValues& of) {
+  return fmt::format("{} loses {} times its speed: viscous friction{}.", of.axis(),
+                     of.size("coefficient"), of.asymmetry());
+}
+
 }  // namespace
 
 const EffectKind viscous_friction{
@@ -42,6 +51,7 @@ const EffectKind viscous_friction{
     .parameters = kParameters,
     .plug = plug,
     .trials = trials,
+    .words = words,
 };
 
 }  // namespace teleop

@@ -2,6 +2,7 @@
 
 #include "core/effects/hand_motion.hpp"
 #include "core/experiment/scenario.hpp"
+#include "core/ports/peer.hpp"
 #include "core/simulation/arm_sim.hpp"
 
 namespace teleop {
@@ -38,13 +39,13 @@ ArmRig::ArmRig(const Config& config, const Scenario& scenario, const ExperimentC
 ArmRig::~ArmRig() { go_limp(); }
 
 void ArmRig::sense(const Tick& tick, Instant start) noexcept {
-  const ArmState state = arm_.read();
+  state_ = arm_.read();
   turn_.t_s = seconds(tick.due - start);
-  turn_.q = state.q;
+  turn_.q = state_.q;
   turn_.qd = velocity_.step(
-      {.q = state.q, .period_ticks = state.period_ticks, .dt = seconds(tick.elapsed)});
-  if (state.fault != Fault::none) {
-    fault_ = state.fault;
+      {.q = state_.q, .period_ticks = state_.period_ticks, .dt = seconds(tick.elapsed)});
+  if (state_.fault != Fault::none) {
+    fault_ = state_.fault;
   } else if (!turn_.q.allFinite() || !turn_.qd.allFinite()) {
     fault_ = Fault::state_not_finite;
   } else if (turn_.qd.cwiseAbs().maxCoeff() > config_.max_joint_speed_rad_per_s) {
@@ -60,7 +61,8 @@ void ArmRig::act(const JointVector& tau, double dt) noexcept {
     return;
   }
   if (limited.limits.bits() != 0) ++cut_turns_;
-  arm_.write(limited.tau);
+  tau_ = limited.tau;
+  arm_.write(tau_);
   if (!on_) {
     arm_.amplifiers(true);
     on_ = true;
@@ -72,6 +74,26 @@ void ArmRig::go_limp() noexcept {
   arm_.amplifiers(false);
   limiter_.reset();
   on_ = false;
+}
+
+void ArmRig::remember(const Tick& tick) noexcept {
+  if (tape_ == nullptr || tape_->size() == tape_->capacity()) return;
+  tape_->push_back({.tick = tape_->size() + 1,
+                    .stamp_ns = state_.stamp.time_since_epoch().count(),
+                    .elapsed_ms = 1e3 * seconds(tick.elapsed),
+                    .lateness_us = 1e6 * seconds(tick.now - tick.due),
+                    .mode = static_cast<std::uint32_t>(Mode::engaged),
+                    .fault = static_cast<std::uint32_t>(fault_),
+                    .arm_flags = state_.flags,
+                    .counts = state_.counts,
+                    .period_ticks = state_.period_ticks,
+                    .q_rad = turn_.q,
+                    .qd_rad_per_s = turn_.qd,
+                    .tau_Nm = tau_,
+                    .motor_current_A = state_.motor_current,
+                    .motor_temperature_C = state_.motor_temperature,
+                    .tool_force_N = state_.tool_force,
+                    .tool_acceleration_m_per_s2 = state_.tool_acceleration});
 }
 
 ArmRig::Ending ArmRig::move_to(const JointVector& q, double length_s, double settle_s) noexcept {

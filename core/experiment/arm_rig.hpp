@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #include "core/base/fault.hpp"
 #include "core/base/settings.hpp"
@@ -16,6 +17,7 @@
 #include "core/ports/arm.hpp"
 #include "core/realtime/clock.hpp"
 #include "core/realtime/loop.hpp"
+#include "core/recording/tick_record.hpp"
 
 namespace teleop {
 
@@ -76,6 +78,7 @@ class ArmRig {
         return Next::stop;
       }
       act(*tau, seconds(tick.elapsed));
+      remember(tick);
       return Next::again;
     });
     return ending;
@@ -89,6 +92,10 @@ class ArmRig {
   [[nodiscard]] const JointVector& q() const noexcept { return turn_.q; }
   [[nodiscard]] Fault fault() const noexcept { return fault_; }
 
+  /// From now on every turn that acts is written down, as far as `tape` has room reserved; null:
+  /// no longer.
+  void record_to(std::vector<TickRecord>* tape) noexcept { tape_ = tape; }
+
   /// Turns in which a limit shortened the torque.
   [[nodiscard]] std::uint64_t cut_turns() const noexcept { return cut_turns_; }
 
@@ -96,6 +103,7 @@ class ArmRig {
   void sense(const Tick& tick, Instant start) noexcept;
   void act(const JointVector& tau, double dt) noexcept;
   void go_limp() noexcept;
+  void remember(const Tick& tick) noexcept;
 
   Config config_;
   const ExperimentContext& context_;
@@ -110,6 +118,9 @@ class ArmRig {
   ComputedTorque servo_;
   Instant next_;
   ArmTurn turn_{};
+  ArmState state_{};
+  JointVector tau_ = JointVector::Zero();  ///< last written
+  std::vector<TickRecord>* tape_ = nullptr;
   Fault fault_ = Fault::none;
   bool on_ = false;
   std::uint64_t cut_turns_ = 0;

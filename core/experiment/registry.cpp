@@ -16,13 +16,14 @@ extern const ExperimentKind virtual_wall_experiment;
 extern const ExperimentKind marginal_gain_experiment;
 extern const ExperimentKind frequency_response_experiment;
 extern const ExperimentKind motor_heat_experiment;
+extern const ExperimentKind probe_experiment;
 
 namespace {
 
 constexpr std::array kExperiments{
     &teleop_experiment,       &gravity_experiment,       &computed_torque_experiment,
     &virtual_wall_experiment, &marginal_gain_experiment, &frequency_response_experiment,
-    &motor_heat_experiment,
+    &motor_heat_experiment,   &probe_experiment,
 };
 
 }  // namespace

@@ -1,14 +1,13 @@
 #include "core/reporting/html.hpp"
 
 #include <fstream>
-#include <map>
 
 #include <fmt/format.h>
 
-#include "core/base/contract.hpp"
 #include "core/base/error.hpp"
 #include "core/reporting/charts.hpp"
 #include "core/reporting/escape.hpp"
+#include "core/reporting/form.hpp"
 #include "core/reporting/page.hpp"
 #include "core/reporting/tables.hpp"
 #include "core/reporting/words.hpp"
@@ -17,22 +16,6 @@ namespace teleop {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Replaces each {{name}} by its text, in one pass: what is filled in is never read again.
-std::string fill(std::string_view text,
-                 const std::map<std::string, std::string, std::less<>>& places) {
-  std::string out;
-  while (true) {
-    const std::size_t begin = text.find("{{");
-    if (begin == std::string_view::npos) return out.append(text);
-    const std::size_t end = text.find("}}", begin);
-    expects(end != std::string_view::npos, "a place in the page ends");
-    const auto place = places.find(text.substr(begin + 2, end - begin - 2));
-    expects(place != places.end(), "every place in the page is filled");
-    out.append(text.substr(0, begin)).append(place->second);
-    text.remove_prefix(end + 2);
-  }
-}
 
 /// "phantom-1.5 · surroundings wall · seed 3", of what the metadata say. The hand holds the master,
 /// the surroundings are the slave's; of a run of one side both are that side's.
@@ -53,21 +36,6 @@ std::string subtitle(std::span<const Log> logs) {
   add("hand", "hand ", "master");
   add("seed", "seed ");
   add("version", "version ");
-  return out;
-}
-
-/// A sentence as HTML in which no number is parted from its unit.
-std::string sentence_html(const std::string& sentence) {
-  std::string out;
-  bool after_digit = false;
-  for (const char c : escape_html(sentence)) {
-    if (after_digit && c == ' ') {
-      out += "&nbsp;";
-    } else {
-      out += c;
-    }
-    after_digit = '0' <= c && c <= '9';
-  }
   return out;
 }
 
@@ -94,19 +62,19 @@ std::string trouble_list(const Words& words) {
 std::string report_page(std::span<const Log> logs, const PairMetrics& metrics) {
   const Run run = arrange(logs);
   const Words words = describe(metrics);
-  return fill(page::form, {{"headline", escape_html(words.headline)},
-                           {"verdict", words.troubles.empty() ? "clean" : "troubled"},
-                           {"subtitle", subtitle(logs)},
-                           {"story", story_text(words)},
-                           {"troubles", trouble_list(words)},
-                           {"figures", key_figures(metrics)},
-                           {"numbers", number_table(metrics)},
-                           {"metadata", metadata_table(run)},
-                           {"style", std::string{page::style}},
-                           {"dygraphs_style", std::string{page::dygraphs_style}},
-                           {"dygraphs", std::string{page::dygraphs}},
-                           {"script", std::string{page::script}},
-                           {"data", chart_data(run, metrics)}});
+  return fill_form(page::form, {{"headline", escape_html(words.headline)},
+                                {"verdict", words.troubles.empty() ? "clean" : "troubled"},
+                                {"subtitle", subtitle(logs)},
+                                {"story", story_text(words)},
+                                {"troubles", trouble_list(words)},
+                                {"figures", key_figures(metrics)},
+                                {"numbers", number_table(metrics)},
+                                {"metadata", metadata_table(run)},
+                                {"style", std::string{page::style}},
+                                {"dygraphs_style", std::string{page::dygraphs_style}},
+                                {"dygraphs", std::string{page::dygraphs}},
+                                {"script", std::string{page::script}},
+                                {"data", chart_data(run, metrics)}});
 }
 
 void write_report(const fs::path& file, std::span<const Log> logs, const PairMetrics& metrics) {

@@ -1,0 +1,103 @@
+#include "core/diagnosis/free_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Core>
+
+#include "core/diagnosis/parallel.hpp"
+#include "core/diagnosis/predictor.hpp"
+#include "core/diagnosis/tether_covariance.hpp"
+#include "core/effects/vocabulary.hpp"
+#include "core/model/dynamics.hpp"
+
+namespace teleop {
+namespace {
+
+constexpr double kAlone_s = 0.25;
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+/// By which the weight of the arm holds a joint where it is, or drives it away.
+JointMatrix weight_stiffness(const ArmModel& arm, const JointVector& q) {
+  constexpr double kStep = 1e-4;  // rad
+  JointMatrix stiffness;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const JointVector step = kStep * JointVector::Unit(i);
+    stiffness.col(i) =
+        (gravity_torque(arm, q + step) - gravity_torque(arm, q - step)) / (2.0 * kStep);
+  }
+  return stiffness;
+}
+
+/// What one run adds up while models are alone.
+struct Sums {
+  JointVector motion = JointVector::Zero();
+  JointVector nominal = JointVector::Zero();
+  JointVector corrected = JointVector::Zero();
+  JointVector noise = JointVector::Zero();
+};
+
+}  // namespace
+
+FreeRun free_run(const Likelihood& likelihood, const SearchResult& found) {
+  const DiagnosisCase& data = likelihood.data();
+  const auto alone = static_cast<std::size_t>(std::lround(kAlone_s / data.period_s));
+  FreeRun result{.motion_s = kAlone_s};
+  result.traces.resize(likelihood.runs());
+  std::vector<Sums> sums(likelihood.runs());
+  for_each_index(likelihood.runs(), likelihood.threads(), [&](std::size_t run) {
+    const Recording& recording = data.runs[run];
+    const auto errors_of = [&](const Fit& fit) {
+      const MachineModel model = fit.left_out_model(run);
+      const PlantTerms terms = terms_of(model.effects);
+      const ArmModel arm = likelihood.prior().arm(model.base);
+      PredictorModel left{arm, terms};
+      left.free_rows = alone;
+      return predict(left, recording, data.period_s, likelihood.tether(run)).innovations;
+    };
+    FreeRun::Trace& trace = result.traces[run];
+    trace.run = run;
+    trace.nominal = errors_of(found.nominal.fit);
+    trace.corrected = errors_of(found.best.fit);
+    trace.deviation.assign(recording.rows(), JointVector::Constant(kNone));
+    const std::vector<JointMatrix> mobility = mobilities(likelihood.arm(), recording);
+    const NoiseModel& noise = likelihood.noise();
+    TetherCovariance known{noise, data.period_s};
+    JointVector start = JointVector::Zero();
+    for (std::size_t k = 0; k < recording.rows(); ++k) {
+      if (k / alone % 2 == 0) {
+        known.update();
+        known.pass(mobility[k]);
+        if ((k + 1) / alone % 2 == 1) known.forget_disturbance();
+        start = recording.q[k];
+        trace.nominal[k].setConstant(kNone);
+        trace.corrected[k].setConstant(kNone);
+        continue;
+      }
+      const JointVector variance = known.of_innovation().diagonal();
+      known.pass(mobility[k], weight_stiffness(likelihood.arm(), recording.q[k]));
+      trace.deviation[k] = variance.cwiseSqrt();
+      sums[run].noise += variance;
+      sums[run].motion += (recording.q[k] - start).cwiseAbs2();
+      sums[run].nominal += trace.nominal[k].cwiseAbs2();
+      sums[run].corrected += trace.corrected[k].cwiseAbs2();
+    }
+  });
+  Sums total;
+  for (const Sums& each : sums) {
+    total.motion += each.motion;
+    total.nominal += each.nominal;
+    total.corrected += each.corrected;
+    total.noise += each.noise;
+  }
+  const auto share = [&](const JointVector& of) {
+    return JointVector{of.cwiseQuotient(total.motion.cwiseMax(1e-300)).cwiseSqrt()};
+  };
+  result.nominal = share(total.nominal);
+  result.corrected = share(total.corrected);
+  result.noise = share(total.noise);
+  return result;
+}
+
+}  // namespace teleop
