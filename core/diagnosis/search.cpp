@@ -175,10 +175,10 @@ class Search {
       model.effects.push_back(candidate.effect);
       Fit trial = fit(*likelihood_, base, model, {.iterations = 5, .slopes = false});
       const bool seen = !hides_in_counts(trial.model.effects.back(), likelihood_->data());
-      if (seen && std::isfinite(trial.chi2)) fits.push_back(std::move(trial));
+      if (seen && std::isfinite(trial.chi2 + trial.volume)) fits.push_back(std::move(trial));
     }
     const auto cost = [](const Fit& each) {
-      return each.chi2 + kParameterCost * static_cast<double>(each.free.size());
+      return each.chi2 + each.volume + kParameterCost * static_cast<double>(each.free.size());
     };
     std::stable_sort(fits.begin(), fits.end(),
                      [&](const Fit& a, const Fit& b) { return cost(a) < cost(b); });
