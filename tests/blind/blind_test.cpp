@@ -1,0 +1,192 @@
+#include "scenarios/blind.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.hpp"
+#include "scenarios/blind_store.hpp"
+#include "scenarios/concealed/seal.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace teleop {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::TemporaryFolder;
+
+constexpr const char* kSilent =
+    "#!/bin/sh\n"
+    "echo '{\"verdict\": \"adequate\", \"effects\": [], \"mismatch\": {\"axes\": [], \"channel\": "
+    "\"none\"}}' > \"$4\"\n";
+
+std::string contents(const fs::path& file) {
+  std::ifstream in{file, std::ios::binary};
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+void write(const fs::path& file, const std::string& text) {
+  std::ofstream{file, std::ios::binary} << text;
+}
+
+std::string tables(const fs::path& folder) {
+  return contents(folder / "cases.jsonl") + contents(folder / "seals.txt");
+}
+
+/// A folder, a program that stands for the diagnosis, and options for a few nulls.
+class BlindCampaign : public ::testing::Test {
+ protected:
+  BlindOptions options(const std::string& out, const std::string& script = kSilent) {
+    const fs::path program = folder_.write("diagnose.sh", script);
+    fs::permissions(program, fs::perms::owner_all);
+    BlindOptions options;
+    options.plan = {.cases = 3, .nulls = true, .seed = 8};
+    options.out = (folder_.path() / out).string();
+    options.json = (folder_.path() / (out + ".json")).string();
+    options.threads = 2;
+    options.diagnose = program.string();
+    return options;
+  }
+  [[nodiscard]] fs::path at(const std::string& name) const { return folder_.path() / name; }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+TEST_F(BlindCampaign, LosesAndRepeatsNoCaseWhenItIsCutShortAnywhere) {
+  ASSERT_EQ(run_blind(options("whole")), 0);
+  const std::string whole = tables(at("whole"));
+  const std::string lines = contents(at("whole") / "cases.jsonl");
+  const std::size_t first_end = lines.find('\n') + 1;
+  fs::create_directories(at("cut"));
+  fs::copy(at("whole"), at("cut"), fs::copy_options::recursive);
+  for (const std::size_t kept : {first_end + 100, lines.size() - 1}) {
+    write(at("cut") / "cases.jsonl", lines.substr(0, kept));
+    // Who does it again is told apart from who takes it over.
+    const std::string other = std::string{kSilent} + "touch \"$2.again\"\n";
+    ASSERT_EQ(run_blind(options("cut", other)), 0);
+    EXPECT_EQ(tables(at("cut")), whole);
+    EXPECT_FALSE(fs::exists(at("cut") / "cases" / "case-0001.again"));
+  }
+  EXPECT_TRUE(fs::exists(at("cut") / "cases" / "case-0003.again"));
+  EXPECT_FALSE(fs::exists(at("cut") / "cases" / "case-0003")) << "recordings are not kept";
+
+  const json figures = json::parse(contents(at("whole.json")));
+  EXPECT_EQ(figures.at("seed"), 8);
+  EXPECT_EQ(figures.at("cases"), 3);
+  EXPECT_EQ(figures.at("nulls").at("n"), 3);
+  EXPECT_EQ(figures.at("nulls").at("false"), 0);
+  EXPECT_EQ(figures.at("sealed_sha256"), concealed::seal({.cases = 3, .nulls = true, .seed = 8}));
+  for (const char* name : {"bands", "pairs", "out_of_vocabulary", "parameter_error", "coverage_90",
+                           "held_out_over_true", "ece", "regression"}) {
+    EXPECT_TRUE(figures.contains(name)) << name;
+  }
+}
+
+TEST_F(BlindCampaign, GivesTheSameBytesInShards) {
+  BlindOptions whole = options("whole");
+  whole.plan.cases = 2;
+  ASSERT_EQ(run_blind(whole), 0);
+  BlindOptions merge;
+  merge.out = at("merged").string();
+  for (const std::string i : {"1", "2"}) {
+    BlindOptions shard = whole;
+    shard.shard = i + "/2";
+    shard.out = at("shard-" + i).string();
+    merge.shards.push_back(shard.out);
+    ASSERT_EQ(run_blind(shard), 0);
+    if (i == "1") EXPECT_THROW((void)merge_blind(merge), ConfigError) << "a case is missing";
+  }
+  ASSERT_EQ(merge_blind(merge), 0);
+  EXPECT_EQ(tables(at("merged")), tables(at("whole")));
+}
+
+TEST_F(BlindCampaign, NoticesATruthOrASealThatWasChanged) {
+  BlindOptions one = options("out");
+  one.plan.cases = 1;
+  ASSERT_EQ(run_blind(one), 0);
+  const std::string lines = contents(at("out") / "cases.jsonl");
+  const std::string seals = contents(at("out") / "seals.txt");
+
+  std::string other = lines;
+  const std::size_t number = other.find("\"encoder_noise_counts\":") + 23;
+  other[number] = other[number] == '1' ? '2' : '1';
+  write(at("out") / "cases.jsonl", other);
+  EXPECT_THROW((void)run_blind(one), ConfigError);
+  write(at("out") / "cases.jsonl", lines);
+
+  other = seals;
+  other[15] = other[15] == '0' ? '1' : '0';
+  write(at("out") / "seals.txt", other);
+  EXPECT_THROW((void)run_blind(one), ConfigError);
+  // Nor does a case pass that is drawn under another's seal.
+  write(at("out") / "cases.jsonl", "");
+  EXPECT_THROW((void)run_blind(one), Error);
+  EXPECT_EQ(contents(at("out") / "cases.jsonl"), "");
+
+  write(at("out") / "seals.txt", seals);
+  EXPECT_EQ(run_blind(one), 0);
+  EXPECT_EQ(contents(at("out") / "cases.jsonl"), lines);
+}
+
+TEST_F(BlindCampaign, PublishesTheSealAndHasNoTruthOnDiskWhileTheDiagnosisRuns) {
+  const std::string spy = std::string{kSilent} +
+                          "cp \"$2/../../seals.txt\" \"$2/../seals-seen\"\n"
+                          "grep -rl disturbance \"$2/../..\" > \"$2/../truth-seen\"\n"
+                          "ls \"$2\" > \"$2/../files-seen\"\n";
+  BlindOptions one = options("out", spy);
+  one.plan.cases = 1;
+  one.keep = true;
+  ASSERT_EQ(run_blind(one), 0);
+  const fs::path cases = at("out") / "cases";
+  EXPECT_EQ(contents(cases / "seals-seen"), contents(at("out") / "seals.txt"));
+  EXPECT_NE(contents(cases / "seals-seen").find("case-0001 "), std::string::npos);
+  EXPECT_EQ(contents(cases / "truth-seen"), "");
+  EXPECT_EQ(contents(cases / "files-seen"),
+            "answer.json\ncase.toml\nrun-01.csv\nrun-02.csv\nrun-03.csv\nrun-04.csv\nrun-05.csv\n");
+  EXPECT_TRUE(fs::exists(cases / "case-0001" / "run-05.csv")) << "kept as asked";
+}
+
+TEST_F(BlindCampaign, CountsADiagnosisThatFailsAsWrong) {
+  BlindOptions one = options("out", "#!/bin/sh\necho 'no idea' >&2\nexit 3\n");
+  one.plan.cases = 1;
+  EXPECT_EQ(run_blind(one), 0);
+  const json figures = json::parse(contents(at("out.json")));
+  EXPECT_EQ(figures.at("missing"), 1);
+  EXPECT_EQ(figures.at("nulls").at("false"), 1);
+  EXPECT_EQ(figures.at("missed").at(0).at("answer"), "exit code 3: no idea");
+}
+
+TEST_F(BlindCampaign, RefusesAFolderOfAnotherCampaignAndAShardThatIsNone) {
+  BlindOptions one = options("out");
+  one.plan.cases = 1;
+  {
+    const BlindStore store{one.out, one.plan};
+  }
+  one.plan.seed = 9;
+  EXPECT_THROW((void)run_blind(one), ConfigError);
+  one.shard = "3/2";
+  EXPECT_THROW((void)run_blind(one), ConfigError);
+}
+
+TEST(BlindProgram, KeepsSilentOnANullByTheRealDiagnosis) {
+  const TemporaryFolder folder;
+  const std::string json_file = (folder.path() / "figures.json").string();
+  const testing::Finished done =
+      testing::run("teleop blind --nulls 1 --seed 21 --markdown --out " +
+                   (folder.path() / "out").string() + " --json " + json_file);
+  ASSERT_EQ(done.exit_code, 0) << done.output;
+  EXPECT_NE(done.output.find("| no effect: false discovery"), std::string::npos) << done.output;
+  EXPECT_EQ(json::parse(contents(json_file)).at("missing"), 0) << done.output;
+}
+
+}  // namespace
+}  // namespace teleop
