@@ -69,6 +69,8 @@ int run_blind(const BlindOptions& options) {
   const std::size_t before = store.lines().size();
   const std::size_t total = before + missing.size();
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
+  const std::size_t at_a_time =
+      std::clamp<std::size_t>(missing.size(), 1, options.threads == 0 ? cores : options.threads);
   std::atomic<bool> asked{false};
   std::atomic<std::size_t> done{before};
   std::mutex showing;
@@ -77,16 +79,16 @@ int run_blind(const BlindOptions& options) {
       .plan = plan,
       .store = store,
       .diagnose = options.diagnose.empty() ? sibling_program("teleop") : options.diagnose,
+      .threads = std::max(1U, cores / static_cast<unsigned>(at_a_time)),
       .keep = options.keep,
       .stop = asked};
   run_while_listening(asked, [&] {
-    for_each_index(missing.size(), options.threads == 0 ? cores : options.threads,
-                   [&](std::size_t i) {
-                     if (asked || !do_blind_case(work, missing[i])) return;
-                     const std::size_t now = ++done;
-                     const std::lock_guard lock{showing};
-                     line.show(now, total);
-                   });
+    for_each_index(missing.size(), at_a_time, [&](std::size_t i) {
+      if (asked || !do_blind_case(work, missing[i])) return;
+      const std::size_t now = ++done;
+      const std::lock_guard lock{showing};
+      line.show(now, total);
+    });
   });
   const bool complete = store.missing().empty();
   if (complete) store.sort();

@@ -14,7 +14,8 @@ namespace teleop {
 struct BlindWork {
   const concealed::ConcealedPlan& plan;
   BlindStore& store;
-  std::string diagnose{};  ///< program, called `PROGRAM diagnose FOLDER --json FILE --threads 1`
+  std::string diagnose{};  ///< program, called PROGRAM diagnose FOLDER --json FILE --threads N
+  unsigned threads = 1;    ///< N; the answer is the same
   bool keep = false;       ///< recordings and answers stay on disk
   const std::atomic<bool>& stop;
 };

@@ -28,7 +28,7 @@ void add_blind(CLI::App& app, Action& action) {
       ->check(CLI::Range(0, 1024));
   verb->add_option("--diagnose", options->diagnose,
                    "another program to hold to the same cases, called as PROGRAM diagnose FOLDER "
-                   "--json FILE --threads 1");
+                   "--json FILE --threads N");
   verb->add_flag("--keep", options->keep, "keep recordings and answers, some 6 MB a case");
   verb->add_flag("--markdown", options->markdown, "print tables as a document takes them");
   verb->add_option("--json", options->json, "write the figures to this file");

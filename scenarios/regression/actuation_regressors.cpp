@@ -1,5 +1,6 @@
 #include <numbers>
 
+#include "core/model/dynamics.hpp"
 #include "scenarios/regression/columns.hpp"
 
 namespace teleop {
@@ -65,6 +66,15 @@ std::vector<Signal> ripple(const SmoothRun& run, const Place& place) {
           on_axis(run, place, [&](std::size_t k) { return std::cos(angle(k)); })};
 }
 
+/// By the motion, not by the command: a regression whose target stands among its columns explains
+/// itself. gain · τ = M q̈ + … leaves a share 1 − 1/gain of the right-hand side.
+std::vector<Signal> gain(const SmoothRun& run, const Place& place) {
+  const auto axis = static_cast<Eigen::Index>(place.axis);
+  return {on_axis(run, place, [&](std::size_t k) {
+    return inverse_dynamics(place.arm, run.q[k], run.qd[k], run.qdd[k])[axis];
+  })};
+}
+
 /// The parameter that the shape is, where the column is the whole effect.
 template <const char* const* name>
 Parameters shape_alone(const Estimate& fit, const Place& /*place*/) {
@@ -115,7 +125,7 @@ std::vector<Regressor> nonlinear_regressors() {
        .grid = [](const Use& /*use*/) { return geometric(0.5, 20.0, 6); },
        .columns = heated,
        .parameters = [](const Estimate& fit, const Place& /*place*/) -> Parameters {
-         if (fit.coefficients[0] <= 0.0) return std::nullopt;
+         if (fit.coefficients[0] <= 0.0 || fit.coefficients[0] > 0.5) return std::nullopt;
          return {{{"loss", fit.coefficients[0], fit.deviations[0]},
                   {"time_constant", fit.shape, fit.shape_deviation}}};
        }},
@@ -136,11 +146,11 @@ std::vector<Regressor> actuation_regressors() {
        }},
       {.kind = "torque_gain",
        .grid = no_grid,
-       .columns = [](const SmoothRun& run, const Place& place) -> std::vector<Signal> {
-         return {on_axis(run, place, [&](std::size_t k) { return command(run, place, k); })};
-       },
+       .columns = gain,
        .parameters = [](const Estimate& fit, const Place& /*place*/) -> Parameters {
-         return {{{"gain", 1.0 + fit.coefficients[0], fit.deviations[0]}}};
+         const double gain = 1.0 / (1.0 - fit.coefficients[0]);
+         if (!is_near(gain, 1.0, 0.5)) return std::nullopt;
+         return {{{"gain", gain, gain * gain * fit.deviations[0]}}};
        }},
       {.kind = "torque_ripple",
        .grid =
@@ -166,7 +176,8 @@ std::vector<Regressor> actuation_regressors() {
                          [&](std::size_t k) { return other ? run.command[k][from] : 0.0; })};
        },
        .parameters = [](const Estimate& fit, const Place& /*place*/) -> Parameters {
-         if (fit.coefficients[0] == 0.0) return std::nullopt;
+         if (fit.coefficients[0] == 0.0 || !is_near(fit.coefficients[0], 0.0, 0.5))
+           return std::nullopt;
          return {
              {{"fraction", fit.coefficients[0], fit.deviations[0]}, {"from_axis", fit.shape, 0.0}}};
        }},

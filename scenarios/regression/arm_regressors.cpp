@@ -216,6 +216,7 @@ std::vector<Regressor> reading_regressors() {
        .columns = eccentricity,
        .parameters = [](const Estimate& fit, const Place& /*place*/) -> Parameters {
          const auto [amplitude, phase] = wave(fit);
+         if (!is_near(amplitude.value, 0.0, 0.1)) return std::nullopt;
          return {{amplitude, phase, {"cycles_per_joint_rev", fit.shape, 0.0}}};
        }},
       {.kind = "time_base",

@@ -70,6 +70,11 @@ template <class Law>
   return coefficient > 0.5 && coefficient < 1.5;
 }
 
+/// No device that anybody would drive is off by more.
+[[nodiscard]] inline bool is_near(double value, double nominal, double most) noexcept {
+  return std::abs(value - nominal) <= most;
+}
+
 [[nodiscard]] std::vector<Regressor> actuation_regressors();
 [[nodiscard]] std::vector<Regressor> joint_regressors();
 [[nodiscard]] std::vector<Regressor> arm_regressors();

@@ -81,6 +81,23 @@ void Design::lay_out(const DiagnosisCase& data) {
       first += count;
     }
   }
+  find_motion();
+}
+
+void Design::find_motion() {
+  moves_.reserve(static_cast<std::size_t>(rows_) * kJoints);
+  for (std::size_t i = 0; i < stretches_.size(); ++i) {
+    const Stretch& stretch = stretches_[i];
+    const std::size_t run = i % runs_.size();
+    const Rows part = run + 1 < runs_.size() ? Rows::training : Rows::held_out;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(stretch.count); ++k) {
+      const JointVector& qd = runs_[run].qd[kEnds + kEvery * k];
+      moves_.push_back(std::abs(qd[static_cast<Eigen::Index>(stretch.axis)]) > kStill_rad_per_s);
+      if (!moves_.back()) continue;
+      sizes_.at(static_cast<std::size_t>(part)).at(stretch.axis) += 1.0;
+      sizes_.at(static_cast<std::size_t>(Rows::all)).at(stretch.axis) += 1.0;
+    }
+  }
 }
 
 void Design::add_forms() {
@@ -112,6 +129,7 @@ void Design::put(const std::vector<Signal>& signals,
     for (std::size_t axis = 0; axis < kJoints; ++axis) {
       const Stretch& stretch = stretches_[axis * runs_.size() + run];
       for (Eigen::Index k = 0; k < stretch.count; ++k) {
+        if (!moves_[static_cast<std::size_t>(stretch.first + k)]) continue;
         into(stretch.first + k, static_cast<Eigen::Index>(i)) =
             signal[kEnds + kEvery * static_cast<std::size_t>(k)][static_cast<Eigen::Index>(axis)];
       }
@@ -150,16 +168,8 @@ void Design::multiply() {
   }
 }
 
-Eigen::Index Design::size(Rows rows) const noexcept {
-  switch (rows) {
-    case Rows::training:
-      return rows_ - held_out_;
-    case Rows::held_out:
-      return held_out_;
-    case Rows::all:
-      break;
-  }
-  return rows_;
+double Design::size(Rows rows, std::size_t axis) const noexcept {
+  return sizes_[static_cast<std::size_t>(rows)][axis];
 }
 
 const Eigen::MatrixXd& Design::gram(Rows rows, std::size_t axis) const noexcept {

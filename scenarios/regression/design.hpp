@@ -43,7 +43,8 @@ enum class Rows : std::uint8_t { training, held_out, all };
 class Design {
  public:
   static constexpr double kSmooth_Hz = 80.0;  ///< of the readings, before they are differenced
-  static constexpr double kCutoff_Hz = 40.0;  ///< of every column
+  static constexpr double kCutoff_Hz = 25.0;  ///< of every column
+  static constexpr double kStill_rad_per_s = 0.02;
 
   /// @pre arms only, at least two runs of a second
   Design(const DiagnosisCase& data, const ArmModel& arm);
@@ -53,8 +54,8 @@ class Design {
   [[nodiscard]] static Eigen::Index base_columns() noexcept;
   [[nodiscard]] Eigen::Index target() const noexcept { return columns_.cols() - 1; }
 
-  /// Rows of one axis, of the kind asked for.
-  [[nodiscard]] Eigen::Index size(Rows rows) const noexcept;
+  /// Rows of one axis that count, of the kind asked for.
+  [[nodiscard]] double size(Rows rows, std::size_t axis) const noexcept;
   /// Products of all columns over those rows of an axis.
   [[nodiscard]] const Eigen::MatrixXd& gram(Rows rows, std::size_t axis) const noexcept;
 
@@ -74,6 +75,7 @@ class Design {
 
  private:
   void lay_out(const DiagnosisCase& data);
+  void find_motion();
   void add_forms();
   void multiply();
   void put(const std::vector<Signal>& signals,
@@ -84,6 +86,8 @@ class Design {
   ZeroPhaseFilter filter_;
   std::vector<SmoothRun> runs_;
   std::vector<Stretch> stretches_;
+  std::array<std::array<double, kJoints>, 3> sizes_{};
+  std::vector<bool> moves_;    ///< row by row: it counts
   Eigen::Index rows_ = 0;      ///< of an axis
   Eigen::Index held_out_ = 0;  ///< of them, of the last run
   std::vector<Form> forms_;

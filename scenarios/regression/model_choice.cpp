@@ -68,6 +68,7 @@ ModelChoice::Noise noise_of(const Design& design, const Eigen::VectorXd& residua
         products[lag] += rows.head(stretch.count - lag).dot(rows.tail(stretch.count - lag));
       }
     }
+    if (products[0] <= 0.0) continue;  // the axis never moved
     double length = 1.0;
     for (Eigen::Index lag = 1; lag < kLongest; ++lag) {
       const double correlation = products[lag] / products[0];
@@ -75,7 +76,7 @@ ModelChoice::Noise noise_of(const Design& design, const Eigen::VectorXd& residua
       length += 2.0 * correlation;
     }
     const auto i = static_cast<Eigen::Index>(axis);
-    noise.variance[i] = products[0] / static_cast<double>(design.size(Rows::all));
+    noise.variance[i] = products[0] / std::max(1.0, design.size(Rows::all, axis));
     noise.length[i] = length;
   }
   return noise;
@@ -126,9 +127,9 @@ ModelChoice::Fitted ModelChoice::fit(const Choice& choice, Rows rows) const {
   Fitted result;
   result.coefficients = unit.cwiseProduct(scaled.ldlt().solve(unit.cwiseProduct(b)));
   result.rss = rss_of(design_, rows, columns, result.coefficients);
-  const auto n = static_cast<double>(design_.size(rows));
   double counted = 0.0;
   for (Eigen::Index i = 0; i < result.rss.size(); ++i) {
+    const double n = std::max(1.0, design_.size(rows, static_cast<std::size_t>(i)));
     const double worth = counting_ == Counting::correlated ? n / noise_.length[i] : n;
     result.bic += worth * std::log(result.rss[i] / n);
     counted += worth;
@@ -157,14 +158,19 @@ JointVector ModelChoice::left_out(const Choice& choice) const {
   const Fitted fitted = fit(choice, Rows::training);
   const JointVector rss =
       rss_of(design_, Rows::held_out, columns_of(design_, choice), fitted.coefficients);
-  return (rss / static_cast<double>(design_.size(Rows::held_out))).cwiseQuotient(noise_.variance);
+  JointVector mean;
+  for (std::size_t axis = 0; axis < kJoints; ++axis) {
+    const auto i = static_cast<Eigen::Index>(axis);
+    mean[i] = rss[i] / (std::max(1.0, design_.size(Rows::held_out, axis)) * noise_.variance[i]);
+  }
+  return mean;
 }
 
 double ModelChoice::held_out_score(const Choice& choice) const {
   const JointVector left = left_out(choice);
-  const auto n = static_cast<double>(design_.size(Rows::held_out));
   double score = 0.0;
   for (Eigen::Index i = 0; i < left.size(); ++i) {
+    const double n = design_.size(Rows::held_out, static_cast<std::size_t>(i));
     score += (counting_ == Counting::correlated ? n / noise_.length[i] : n) * std::log(left[i]);
   }
   return score;
