@@ -29,6 +29,7 @@ void report_rows(const std::vector<BenchRow>& rows, const BenchOptions& options)
 [[nodiscard]] double median(std::vector<double> values);
 
 /// Each measures, reports its rows and returns an exit code.
+[[nodiscard]] int bench_diagnose(const BenchOptions& options);
 [[nodiscard]] int bench_link(const BenchOptions& options);
 [[nodiscard]] int bench_loop(const BenchOptions& options);
 [[nodiscard]] int bench_sim(const BenchOptions& options);

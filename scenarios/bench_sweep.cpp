@@ -7,11 +7,11 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <stdlib.h>
 
 #include "core/base/error.hpp"
 #include "core/experiment/sweep.hpp"
 #include "scenarios/bench.hpp"
+#include "scenarios/scratch.hpp"
 
 namespace teleop {
 namespace {
@@ -29,28 +29,6 @@ from = 300
 to = 1200
 points = 48
 )";
-
-/// A folder of its own that goes with the run.
-class Scratch {
- public:
-  Scratch() {
-    std::string name = (fs::temp_directory_path() / "teleop-bench-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw ConfigError{name + ": cannot be made"};
-    path_ = name;
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  Scratch(Scratch&&) = delete;
-  Scratch& operator=(Scratch&&) = delete;
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  [[nodiscard]] const fs::path& path() const noexcept { return path_; }
-
- private:
-  fs::path path_;
-};
 
 /// Points a second.
 double speed(const SweepPlan& plan, unsigned jobs) {

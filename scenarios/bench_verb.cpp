@@ -47,6 +47,7 @@ void add_bench(CLI::App& app, Action& action) {
       };
     });
   };
+  add("diagnose", "one grey-box fit, against scipy's solve_ivp and least_squares", bench_diagnose);
   add("link", "UDP round trip through the whole stack, against a bare socket", bench_link);
   add("loop", "lateness of the loop, against cyclictest", bench_loop);
   add("sim", "simulated pair on simulated time, against real time", bench_sim);

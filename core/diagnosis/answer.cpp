@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/diagnosis/self_check.hpp"
 #include "core/effects/vocabulary.hpp"
 
 namespace teleop {
@@ -18,9 +19,10 @@ using Json = nlohmann::ordered_json;
 constexpr double kTemperature = 3.0;
 /// A regularity that is left with more than this is no accident.
 constexpr double kLeftover = 30.0;
+constexpr double kBeyondReplicas = 2.0;
 
-/// Share of an interval of independent tests: the least of `tests` values that are χ² of one
-/// degree.
+/// Probability that the largest of so many independent values that are χ² of one degree exceeds
+/// this one.
 double p_value_of(double largest, double tests) {
   const double one = std::erfc(std::sqrt(std::max(largest, 0.0) / 2.0));
   return -std::expm1(tests * std::log1p(-std::min(one, 1.0 - 1e-16)));
@@ -55,8 +57,10 @@ HeldOutFit held_out(Likelihood& likelihood, const Explanation& best) {
   return result;
 }
 
-Verdict judge(const Diagnosis& diagnosis) {
-  const bool rest = !diagnosis.leftovers.empty() && diagnosis.leftovers.front().gain > kLeftover;
+/// @param replicas what seemed to be left over of recordings that the explanation itself made
+Verdict judge(const Diagnosis& diagnosis, double replicas) {
+  const double left = diagnosis.leftovers.empty() ? 0.0 : diagnosis.leftovers.front().gain;
+  const bool rest = left > std::max(kLeftover, kBeyondReplicas * replicas);
   if (diagnosis.found.effects.empty()) return rest ? Verdict::unexplained : Verdict::adequate;
   return rest ? Verdict::partly_explained : Verdict::explained;
 }
@@ -195,17 +199,24 @@ std::string_view text_of(Verdict verdict) noexcept {
 }
 
 Diagnosis diagnose(Likelihood& likelihood, const SearchOptions& options) {
-  constexpr double kPlaces = 100.0;  // independent ones among trials and probes, about
+  constexpr double kPlaces = 100.0;  // independent ones among trials, about
   Diagnosis diagnosis;
   diagnosis.found = search(likelihood, options);
   likelihood.set_noise(diagnosis.found.best.noise);
-  diagnosis.leftovers = leftovers(likelihood, diagnosis.found.best.fit);
-  diagnosis.verdict = judge(diagnosis);
-  double evidence = diagnosis.leftovers.empty() ? 0.0 : diagnosis.leftovers.front().gain;
-  for (const NamedEffect& effect : diagnosis.found.effects) {
-    evidence = std::max(evidence, effect.gain);
+  Leftovers left = leftovers(likelihood, diagnosis.found.best.fit);
+  diagnosis.leftovers = std::move(left.all);
+  double replicas = 0.0;
+  if (!diagnosis.found.effects.empty() || judge(diagnosis, 0.0) != Verdict::adequate) {
+    if (options.progress) options.progress("replicas");
+    const SelfCheck check = self_check(likelihood, diagnosis.found.best);
+    widen(diagnosis.found, check);
+    replicas = check.leftover;
   }
-  diagnosis.p_value = p_value_of(evidence, kPlaces);
+  diagnosis.verdict = judge(diagnosis, replicas);
+  diagnosis.p_value = left.p_value;
+  for (const NamedEffect& effect : diagnosis.found.effects) {
+    diagnosis.p_value = std::min(diagnosis.p_value, p_value_of(effect.gain, kPlaces));
+  }
   diagnosis.fit = held_out(likelihood, diagnosis.found.best);
   weigh_rivals(diagnosis);
   return diagnosis;

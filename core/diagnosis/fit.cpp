@@ -19,6 +19,7 @@ using Eigen::Index;
 
 constexpr double kBaseStep = 2.0;  // standard deviations of the prior
 constexpr double kLogStep = 0.01;
+constexpr Index kStretch = 3 * 100;  // three axes a sample: a tenth of a second
 
 /// Steps of derivatives by coordinates that are not searched by their logarithm.
 double step_for(std::string_view unit) {
@@ -49,15 +50,6 @@ MachineModel with(const MachineModel& model,
         std::clamp(value, parameter.range.low, parameter.range.high);
   }
   return other;
-}
-
-Eigen::VectorXd coordinates_of(const MachineModel& model, const std::vector<FreeParameter>& free) {
-  Eigen::VectorXd x{static_cast<Index>(free.size())};
-  for (std::size_t i = 0; i < free.size(); ++i) {
-    x[static_cast<Index>(i)] =
-        searched(free[i], model.effects[free[i].effect].parameters.at(free[i].name));
-  }
-  return x;
 }
 
 /// A model whose parameters contradict each other cannot be simulated.
@@ -210,8 +202,17 @@ void look_around(const Likelihood& likelihood,
   if (!options.slopes) return;
   fit.information = Eigen::MatrixXd::Zero(size, size);
   fit.information.diagonal().tail<BasePrior::kSize>().setOnes();
-  for (const Eigen::MatrixXf& J : fit.slopes) {
+  fit.scatter = fit.information;
+  for (std::size_t run = 0; run < fit.slopes.size(); ++run) {
+    const Eigen::MatrixXf& J = fit.slopes[run];
     fit.information += (J.transpose() * J).cast<double>();
+    for (Index first = 0; first < J.rows(); first += kStretch) {
+      const Index rows = std::min(kStretch, J.rows() - first);
+      const Eigen::VectorXd pull =
+          (J.middleRows(first, rows).transpose() * fit.errors[run].segment(first, rows))
+              .cast<double>();
+      fit.scatter += pull * pull.transpose();
+    }
   }
 }
 
@@ -235,6 +236,15 @@ std::vector<FreeParameter> free_parameters(const std::vector<EffectSpec>& effect
   return free;
 }
 
+Eigen::VectorXd coordinates_of(const MachineModel& model, const std::vector<FreeParameter>& free) {
+  Eigen::VectorXd x{static_cast<Index>(free.size())};
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    x[static_cast<Index>(i)] =
+        searched(free[i], model.effects[free[i].effect].parameters.at(free[i].name));
+  }
+  return x;
+}
+
 BaseColumns base_columns(const Likelihood& likelihood, const MachineModel& model) {
   constexpr auto kSize = static_cast<std::size_t>(BasePrior::kSize);
   const std::vector<Eigen::VectorXf> here = likelihood.errors(model);
@@ -256,7 +266,12 @@ BaseColumns base_columns(const Likelihood& likelihood, const MachineModel& model
 Eigen::VectorXd Fit::deviations() const {
   const Eigen::MatrixXd covariance =
       information.ldlt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
-  return covariance.diagonal().head(static_cast<Index>(free.size())).cwiseMax(0.0).cwiseSqrt();
+  const Eigen::MatrixXd sandwich = covariance * scatter * covariance;
+  return covariance.diagonal()
+      .cwiseMax(sandwich.diagonal())
+      .head(static_cast<Index>(free.size()))
+      .cwiseMax(0.0)
+      .cwiseSqrt();
 }
 
 Eigen::VectorXf Fit::left_out_errors(std::size_t run) const {

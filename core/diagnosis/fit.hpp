@@ -23,6 +23,10 @@ struct FreeParameter {
 /// Every fitted parameter of the effects; one whose role is on_evidence where it is given.
 [[nodiscard]] std::vector<FreeParameter> free_parameters(const std::vector<EffectSpec>& effects);
 
+/// The values of free parameters of a model, in the coordinates in which they are searched.
+[[nodiscard]] Eigen::VectorXd coordinates_of(const MachineModel& model,
+                                             const std::vector<FreeParameter>& free);
+
 /// What the rigid body's departures do to the errors of each run, a column each.
 using BaseColumns = std::vector<Eigen::MatrixXf>;
 [[nodiscard]] BaseColumns base_columns(const Likelihood& likelihood, const MachineModel& model);
@@ -33,11 +37,14 @@ struct Fit {
   std::vector<FreeParameter> free{};
   double chi2 = 0.0;                      ///< Σ |w|² + |z|²
   Eigen::MatrixXd information{};          ///< of (free parameters, base), prior included
+  Eigen::MatrixXd scatter{};              ///< of the gradient, from stretch to stretch of time
   std::vector<Eigen::VectorXf> errors{};  ///< of each run
   std::vector<Eigen::MatrixXf> slopes{};  ///< of the errors by (free parameters, base)
   bool converged = false;
 
-  /// Standard errors of the free parameters in the searched coordinates.
+  /// Standard errors of the free parameters in the searched coordinates: from the curvature of the
+  /// likelihood, or from the scatter of its gradient (sandwich) where that says more, as it does
+  /// where errors hang together.
   [[nodiscard]] Eigen::VectorXd deviations() const;
 
   /// Errors of a run under the parameters that the other runs ask for, to first order.

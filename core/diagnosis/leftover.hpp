@@ -17,9 +17,15 @@ struct Leftover {
   double amplitude = 0.0;  ///< N m, RMS of what it adds
 };
 
+struct Leftovers {
+  std::vector<Leftover> all{};  ///< the largest gain first
+  double p_value = 1.0;         ///< of the largest gain of a torque, if nothing is left
+};
+
 /// Torques that follow angle, speed, its sign, command, acceleration, time and the other axes, one
-/// after the other, as score tests through the tether. The largest gain comes first. Under a
-/// sufficient model each gain is distributed as χ² with the degrees of freedom of its quantity.
-[[nodiscard]] std::vector<Leftover> leftovers(const Likelihood& likelihood, const Fit& now);
+/// after the other, as score tests through the tether; stretches of time and jumps that stand out.
+/// Under a sufficient model the gain of a torque is about χ² of one degree; chances are resampled
+/// from the recordings themselves.
+[[nodiscard]] Leftovers leftovers(const Likelihood& likelihood, const Fit& now);
 
 }  // namespace teleop

@@ -194,9 +194,9 @@ class Refilter {
 NoiseModel fit_noise(const Likelihood& likelihood,
                      const MachineModel& model,
                      const NoiseModel& start) {
-  constexpr int kSweeps = 6;
-  // Drives that move apart from their links are not in the linear model.
+  // Drives that move apart from their links are not in the linear model: they cost simulations.
   const bool rigid = is_rigid(terms_of(model.effects));
+  const int sweeps = rigid ? 6 : 2;
   const Refilter refilter{likelihood, model};
   const auto deviance_of = [&](const NoiseModel& noise) {
     return rigid ? refilter.deviance(noise) : likelihood.deviance(model, noise);
@@ -205,7 +205,7 @@ NoiseModel fit_noise(const Likelihood& likelihood,
   JointVector best_value = deviance_of(best);
   std::array<JointVector, kMembers.size()> width;
   width.fill(JointVector::Constant(0.4));  // in the logarithm
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
     const double before = best_value.sum();
     for (std::size_t m = 0; m < kMembers.size(); ++m) {
       const NoiseMember& member = kMembers[m];

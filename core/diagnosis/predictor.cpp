@@ -10,6 +10,8 @@
 #include <Eigen/LU>
 
 #include "core/diagnosis/drive_tether.hpp"
+#include "core/diagnosis/exact_reading.hpp"
+#include "core/diagnosis/late_axis.hpp"
 #include "core/model/dynamics.hpp"
 #include "core/simulation/plant.hpp"
 
@@ -17,77 +19,6 @@ namespace teleop {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
-/// Readings of the drives' angles without counting them.
-class ExactReading {
- public:
-  ExactReading(const PlantTerms& terms, const JointVector& m, const JointVector& md)
-      : terms_{&terms} {
-    const bool simple = std::all_of(
-        terms.sensing.begin(), terms.sensing.end(),
-        [](const SensingTerms& axis) { return axis.delay == 0.0 && axis.tendon_stiffness == 0.0; });
-    constexpr double kFine = 1e6;  // counts a turn: their edges are not looked at
-    if (!simple) late_.emplace(terms.sensing, JointVector::Constant(kFine), m, md);
-  }
-
-  [[nodiscard]] Sensing* observer() noexcept { return late_ ? &*late_ : nullptr; }
-
-  [[nodiscard]] JointVector of(const JointVector& m) const noexcept {
-    if (late_) return late_->exact_angles();
-    JointVector y = m;
-    for (std::size_t i = 0; i < kJoints; ++i) {
-      const auto axis = static_cast<Eigen::Index>(i);
-      const SensingTerms& sensing = terms_->sensing[i];
-      y[axis] *= sensing.scale;
-      for (const AngleWave& wave : sensing.waves) {
-        y[axis] += wave.amplitude * std::sin(wave.frequency * m[axis] + wave.phase);
-      }
-    }
-    return y;
-  }
-
-  /// A state whose reading is y, about.
-  [[nodiscard]] JointVector angle_of(const JointVector& y) const noexcept {
-    JointVector m = y;
-    for (std::size_t i = 0; i < kJoints; ++i) {
-      const auto axis = static_cast<Eigen::Index>(i);
-      const SensingTerms& sensing = terms_->sensing[i];
-      for (int pass = 0; pass < 3; ++pass) {
-        double waves = 0.0;
-        for (const AngleWave& wave : sensing.waves) {
-          waves += wave.amplitude * std::sin(wave.frequency * m[axis] + wave.phase);
-        }
-        m[axis] = (y[axis] - waves) / sensing.scale;
-      }
-    }
-    return m;
-  }
-
- private:
-  const PlantTerms* terms_;
-  std::optional<Sensing> late_;
-};
-
-/// The true sample period.
-std::int64_t sample_ns(double period_s, const PlantTerms& terms) {
-  return std::llround(period_s * terms.time_ratio * 1e9);
-}
-
-/// Speed at the start from the first readings, by a straight line.
-JointVector start_speed(const Recording& run, double period_s) {
-  constexpr std::size_t kReadings = 8;
-  const std::size_t n = std::min(kReadings, run.rows());
-  if (n < 2) return JointVector::Zero();
-  const double middle = static_cast<double>(n - 1) / 2.0;
-  JointVector slope = JointVector::Zero();
-  double weight = 0.0;
-  for (std::size_t k = 0; k < n; ++k) {
-    const double x = static_cast<double>(k) - middle;
-    slope += x * run.q[k];
-    weight += x * x;
-  }
-  return slope / (weight * period_s);
-}
 
 /// Gains of the axes whose transmission gives way, at the middle posture of the run.
 std::array<DriveGains, kJoints> drive_gains(const PredictorModel& model,
@@ -133,10 +64,39 @@ bool gives_way(const PlantTerms& terms) {
       [](const Transmission& each) { return each.kind != Transmission::Kind::rigid; });
 }
 
+using LateAxes = std::array<std::optional<LateAxis>, kJoints>;
+
+/// The axes whose readings come late, at the middle posture of the run.
+LateAxes late_axes(const PredictorModel& model,
+                   const Recording& run,
+                   double period_s,
+                   const Tether& tether) {
+  const JointMatrix W = mass_matrix(model.arm, run.q[run.rows() / 2]).inverse();
+  LateAxes late;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    if (model.terms.sensing[i].delay <= 0.0) continue;
+    late[i].emplace(LateAxis::Config{.delay_s = model.terms.sensing[i].delay,
+                                     .period_s = period_s,
+                                     .mobility = W(axis, axis),
+                                     .memory = tether.memory()[axis]});
+  }
+  return late;
+}
+
+JointVector pending(const LateAxes& late) {
+  JointVector sum = JointVector::Zero();
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    if (late[i]) sum[static_cast<Eigen::Index>(i)] = late[i]->pending();
+  }
+  return sum;
+}
+
 /// Moves the plant towards the reading; returns what the disturbances become more, N m.
 JointVector correct(Plant& plant,
                     const Tether::Step& step,
                     const std::array<DriveGains, kJoints>& drives,
+                    LateAxes& late,
                     const JointVector& e) {
   Plant::Shift shift{.q = step.position * e, .qd = step.velocity * e};
   JointVector d = step.disturbance * e;
@@ -149,6 +109,13 @@ JointVector correct(Plant& plant,
       shift.m[axis] = drives[i].m * e[axis];
       shift.md[axis] = drives[i].md * e[axis];
       d[axis] = drives[i].d * e[axis];
+    } else if (late[i]) {
+      const LateAxis::State now = late[i]->take({.q = step.position(axis, axis) * e[axis],
+                                                 .v = step.velocity(axis, axis) * e[axis],
+                                                 .d = step.disturbance(axis, axis) * e[axis]});
+      shift.q[axis] = now.q;
+      shift.qd[axis] = now.v;
+      d[axis] = now.d;
     }
     // Friction holds the joint: it is at rest, whatever the noise of the readings.
     if (modes[i] == Sliding::stuck) {
@@ -168,30 +135,30 @@ Prediction predict(const PredictorModel& model,
                    const Tether& tether,
                    std::vector<PredictedState>* states) {
   const PlantTerms& terms = model.terms;
-  const ExactReading plain{terms, JointVector::Zero(), JointVector::Zero()};
-  const JointVector q0 = plain.angle_of(run.q.front());
+  const JointVector q0 = drive_angle(terms, run.q.front());
   const JointVector qd0 = start_speed(run, period_s);
   Plant plant{model.arm,
               {.terms = terms,
                .stops = false,
-               .max_step = Duration{sample_ns(period_s, terms) / model.steps},
+               .max_step = true_period(period_s, terms) / model.steps,
                .q = q0,
                .qd = qd0}};
   ExactReading reading{terms, q0, qd0};
   if (plant.fastest_rate() > kFastest || has_rigid_wall(model, run)) {
     return {.innovations = std::vector(run.rows(), JointVector{JointVector::Constant(kNone)})};
   }
-  const Duration sample{sample_ns(period_s, terms)};
+  const Duration sample = true_period(period_s, terms);
   Prediction result;
   result.innovations.reserve(run.rows());
   const bool splits = gives_way(terms);
   if (splits) result.apart.assign(run.rows(), JointVector::Zero());
   if (states != nullptr) states->clear();
   const std::array<DriveGains, kJoints> drives = drive_gains(model, run, period_s, tether);
+  LateAxes late = late_axes(model, run, period_s, tether);
   JointVector d = JointVector::Zero();
   for (std::size_t k = 0; k < run.rows(); ++k) {
     const Tether::Step& step = tether.steps()[k];
-    const JointVector e = run.q[k] - reading.of(plant.drive_q());
+    const JointVector e = run.q[k] - reading.of(plant.drive_q()) - pending(late);
     constexpr double kLost = 10.0;      // rad: the model runs away from the recording
     constexpr std::uint64_t kBusy = 4;  // events a sample, on average
     const bool rattles = plant.events() > 1000 + kBusy * k;
@@ -205,7 +172,7 @@ Prediction predict(const PredictorModel& model,
     }
     if (states != nullptr) states->push_back({plant.drive_q(), plant.drive_qd(), d});
     const bool held = model.free_rows == 0 || k / model.free_rows % 2 == 0;
-    d = held ? JointVector{d + correct(plant, step, drives, e)} : JointVector::Zero();
+    d = held ? JointVector{d + correct(plant, step, drives, late, e)} : JointVector::Zero();
     const JointVector extra = run.contact.empty() ? d : JointVector{d - run.contact[k]};
     plant.set_disturbance(extra);
     plant.set_torque(run.tau[k]);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -19,6 +20,8 @@ constexpr std::size_t kFitted = 8;       // candidates of a screening that are f
 constexpr std::size_t kWeighed = 4;      // and of these, those whose noise is fitted too
 constexpr double kLeastShare = 0.1;      // of the best gain, for a candidate to be fitted
 constexpr double kWorthAFit = 12.0;
+constexpr double kNoiseHelps = 10.0;  // what refitting the noise may add to a small gain
+constexpr double kBehind = 0.3;       // of the best gain, for a candidate to be weighed
 
 std::string name_of(const EffectSpec& effect) {
   std::string name = effect.kind;
@@ -48,6 +51,13 @@ bool same_place(const EffectSpec& a, const EffectSpec& b) {
     if (one->second != other->second) return false;
   }
   return true;
+}
+
+/// A play of less than half a count does nothing but what counting does.
+bool hides_in_counts(const EffectSpec& effect, const DiagnosisCase& data) {
+  if (effect.kind != "backlash" || !effect.axis) return false;
+  return effect.parameters.at("gap") <
+         0.5 * data.resolution[static_cast<Eigen::Index>(*effect.axis)];
 }
 
 /// The best trial of each place, best first.
@@ -81,8 +91,9 @@ class Search {
     NoiseModel start;
     start.reading = likelihood_->data().resolution.cwiseMax(1e-9) / std::sqrt(12.0);
     SearchResult result;
-    result.nominal = weigh({}, fit_noise(*likelihood_, {}, start));
+    result.nominal = weigh_anew({}, fit_noise(*likelihood_, {}, start));
     Explanation best = result.nominal;
+    Explanation before;  // the last effect came
     std::vector<Explanation> rivals;
     while (best.fit.model.effects.size() < options_->most_effects) {
       std::vector<Explanation> next = extended(best);
@@ -92,12 +103,12 @@ class Search {
                each.score() > best.score() - options_->least_gain;
       });
       if (next.empty()) break;
-      best = next.front();
+      before = std::exchange(best, next.front());
       rivals = std::move(next);
       say(fmt::format("found {}", name_of(best.fit.model.effects.back())));
     }
     result.best = best;
-    describe(result, rivals);
+    describe(result, before, rivals);
     return result;
   }
 
@@ -106,20 +117,24 @@ class Search {
     if (options_->progress) options_->progress(text);
   }
 
-  /// Fit and noise, in turn.
-  Explanation weigh(const MachineModel& start, const NoiseModel& noise) {
-    Explanation result;
+  /// Noise of a fitted model, and the fit under that noise. The likelihood keeps the noise.
+  Explanation weigh(const MachineModel& fitted, const NoiseModel& noise) {
     likelihood_->set_noise(noise);
-    base_ = base_columns(*likelihood_, start);
-    result.fit = fit(*likelihood_, base_, start, {.slopes = false});
-    result.noise = fit_noise(*likelihood_, result.fit.model, noise);
+    Explanation result;
+    result.noise = fit_noise(*likelihood_, fitted, noise);
     likelihood_->set_noise(result.noise);
-    base_ = base_columns(*likelihood_, result.fit.model);
-    result.fit = fit(*likelihood_, base_, result.fit.model);
+    result.fit = fit(*likelihood_, base_columns(*likelihood_, fitted), fitted);
     result.deviance = likelihood_->deviance(result.fit.model, result.noise).sum() +
                       result.fit.model.base.squaredNorm();
     result.left_out = result.deviance - result.fit.chi2 + result.fit.left_out();
     return result;
+  }
+
+  /// The same of a model that was not fitted under this noise before.
+  Explanation weigh_anew(const MachineModel& start, const NoiseModel& noise) {
+    likelihood_->set_noise(noise);
+    const BaseColumns base = base_columns(*likelihood_, start);
+    return weigh(fit(*likelihood_, base, start, {.iterations = 8, .slopes = false}).model, noise);
   }
 
   /// The model with one effect more, in several ways, the best first.
@@ -134,8 +149,9 @@ class Search {
       say(fmt::format("fitting {}", name_of(candidate.effect)));
       MachineModel model = now.fit.model;
       model.effects.push_back(candidate.effect);
-      Fit trial = fit(*likelihood_, base, model, {.iterations = 8, .slopes = false});
-      if (std::isfinite(trial.chi2)) fits.push_back(std::move(trial));
+      Fit trial = fit(*likelihood_, base, model, {.iterations = 5, .slopes = false});
+      const bool seen = !hides_in_counts(trial.model.effects.back(), likelihood_->data());
+      if (seen && std::isfinite(trial.chi2)) fits.push_back(std::move(trial));
     }
     const auto cost = [](const Fit& each) {
       return each.chi2 + kParameterCost * static_cast<double>(each.free.size());
@@ -143,12 +159,18 @@ class Search {
     std::stable_sort(fits.begin(), fits.end(),
                      [&](const Fit& a, const Fit& b) { return cost(a) < cost(b); });
     if (fits.size() > kWeighed) fits.resize(kWeighed);
-    if (fits.empty() || now.fit.chi2 - fits.front().chi2 < options_->least_gain) return {};
+    const double here = cost(now.fit) - kEffectCost;
+    const double most = fits.empty() ? 0.0 : here - cost(fits.front());
+    std::erase_if(fits, [&](const Fit& each) {
+      const double gain = here - cost(each);
+      return gain < options_->least_gain - kNoiseHelps || gain < kBehind * most;
+    });
     std::vector<Explanation> next;
     for (const Fit& each : fits) {
       say(fmt::format("weighing {}", name_of(each.model.effects.back())));
       Explanation weighed = weigh(each.model, now.noise);
-      if (std::isfinite(weighed.deviance)) next.push_back(std::move(weighed));
+      const bool seen = !hides_in_counts(weighed.fit.model.effects.back(), likelihood_->data());
+      if (seen && std::isfinite(weighed.deviance)) next.push_back(std::move(weighed));
     }
     std::stable_sort(next.begin(), next.end(), [](const Explanation& a, const Explanation& b) {
       return a.score() < b.score();
@@ -156,39 +178,28 @@ class Search {
     return next;
   }
 
-  /// What each effect is worth, its rivals and its parameters' uncertainty.
-  void describe(SearchResult& result, const std::vector<Explanation>& last_rivals) {
-    std::vector<EffectSpec> effects = result.best.fit.model.effects;
-    for (std::size_t i = 0; i < effects.size(); ++i) {
-      NamedEffect named;
-      std::vector<Explanation> rivals;
-      if (effects.size() == 1) {
-        rivals = last_rivals;
-        named.gain = result.nominal.score() - result.best.score();
-      } else {
-        MachineModel without = result.best.fit.model;
-        without.effects.erase(without.effects.begin() + static_cast<std::ptrdiff_t>(i));
-        say(fmt::format("without {}", name_of(effects[i])));
-        const Explanation rest = weigh(without, result.best.noise);
-        named.gain = rest.score() - result.best.score();
-        rivals = extended(rest);
-        if (!rivals.empty() && rivals.front().score() < result.best.score() - 1.0) {
-          say(fmt::format("{} stands in for {}", name_of(rivals.front().fit.model.effects.back()),
-                          name_of(effects[i])));
-          result.best = rivals.front();
-          // The newcomer came last: it takes the place of the one it replaces.
-          std::vector<EffectSpec>& order = result.best.fit.model.effects;
-          std::rotate(order.begin() + static_cast<std::ptrdiff_t>(i), order.end() - 1, order.end());
-          effects = order;
-          result.best = weigh(result.best.fit.model, result.best.noise);
-        }
+  /// What each effect is worth, its rivals and its parameters' uncertainty. The rivals of the last
+  /// one are known from when it was chosen, unless an earlier one has been replaced since.
+  void describe(SearchResult& result,
+                const Explanation& before_last,
+                const std::vector<Explanation>& last_rivals) {
+    const std::size_t count = result.best.fit.model.effects.size();
+    bool replaced = false;
+    for (std::size_t i = 0; i < count; ++i) {
+      const bool known = i + 1 == count && !replaced;
+      const Explanation rest = known ? before_last : without(result.best, i);
+      const std::vector<Explanation> rivals = known ? last_rivals : extended(rest);
+      if (!rivals.empty() && rivals.front().score() < result.best.score() - 1.0) {
+        result.best = in_place_of(i, result.best, rivals.front());
+        replaced = true;
       }
+      NamedEffect named{.effect = result.best.fit.model.effects[i],
+                        .gain = rest.score() - result.best.score()};
       for (const Explanation& rival : rivals) {
         const EffectSpec& other = rival.fit.model.effects.back();
-        if (same_place(other, effects[i])) continue;
+        if (same_place(other, named.effect)) continue;
         named.rivals.push_back({.effect = other, .behind = rival.score() - result.best.score()});
       }
-      named.effect = effects[i];
       result.effects.push_back(std::move(named));
     }
     likelihood_->set_noise(result.best.noise);
@@ -207,10 +218,26 @@ class Search {
     }
   }
 
+  Explanation without(const Explanation& best, std::size_t i) {
+    MachineModel rest = best.fit.model;
+    say(fmt::format("without {}", name_of(rest.effects[i])));
+    rest.effects.erase(rest.effects.begin() + static_cast<std::ptrdiff_t>(i));
+    return weigh_anew(rest, best.noise);
+  }
+
+  /// The rival's newcomer, which came last, at the place of the one that it replaces.
+  Explanation in_place_of(std::size_t i, const Explanation& best, const Explanation& rival) {
+    MachineModel model = rival.fit.model;
+    std::vector<EffectSpec>& order = model.effects;
+    say(fmt::format("{} stands in for {}", name_of(order.back()),
+                    name_of(best.fit.model.effects[i])));
+    std::rotate(order.begin() + static_cast<std::ptrdiff_t>(i), order.end() - 1, order.end());
+    return weigh(model, rival.noise);
+  }
+
   Likelihood* likelihood_;
   const SearchOptions* options_;
   MachineUse use_;
-  BaseColumns base_;
 };
 
 }  // namespace
