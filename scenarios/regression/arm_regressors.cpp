@@ -1,3 +1,5 @@
+#include <array>
+
 #include "core/model/dynamics.hpp"
 #include "core/model/kinematics.hpp"
 #include "scenarios/regression/columns.hpp"
@@ -131,8 +133,10 @@ std::vector<Signal> wall(const SmoothRun& run, const Place& place) {
 /// Angles that few readings are beyond.
 template <int side>
 std::vector<double> wall_grid(const Use& use) {
+  constexpr std::array kBeyond{0.02, 0.05, 0.1, 0.2, 0.35};
   std::vector<double> grid;
-  for (const double beyond : {0.02, 0.05, 0.1, 0.2, 0.35}) {
+  grid.reserve(kBeyond.size());
+  for (const double beyond : kBeyond) {
     const double share = side > 0 ? 1.0 - beyond : beyond;
     grid.push_back(
         use.angles[static_cast<std::size_t>(share * static_cast<double>(use.angles.size() - 1))]);

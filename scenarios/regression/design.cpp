@@ -67,6 +67,8 @@ Design::Design(const DiagnosisCase& data, const ArmModel& arm)
 
 void Design::lay_out(const DiagnosisCase& data) {
   std::vector<Eigen::Index> counts;
+  counts.reserve(data.runs.size());
+  runs_.reserve(data.runs.size());
   for (const Recording& run : data.runs) {
     expects(run.rows() > 2 * kEnds + kEvery, "a run is longer than what the filter spoils");
     runs_.push_back(smooth(run, data.period_s, {kSmooth_Hz, data.period_s}));

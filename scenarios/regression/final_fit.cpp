@@ -142,6 +142,7 @@ FinalFit final_fit(const Design& design, const ModelChoice& choice, Counting cou
   const Solved solved = solve(fit.columns, target, fit.weights);
   fit.inverse = solved.inverse;
   fit.residuals = target - fit.columns * solved.coefficients;
+  fit.effects.reserve(slots.size());
   for (const Slot& slot : slots) {
     Regressor::Estimate estimate{.shape = slot.shape, .shape_deviation = slot.shape_deviation};
     for (Eigen::Index i = slot.first; i < slot.first + slot.form->count; ++i) {

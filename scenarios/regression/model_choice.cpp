@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -16,10 +17,8 @@ constexpr Eigen::Index kLongest = 60;  // rows of an autocorrelation
 constexpr double kUncorrelated = 0.05;
 
 std::vector<Eigen::Index> columns_of(const Design& design, const ModelChoice::Choice& choice) {
-  std::vector<Eigen::Index> columns;
-  for (Eigen::Index i = 0; i < Design::base_columns(); ++i) {
-    columns.push_back(i);
-  }
+  std::vector<Eigen::Index> columns(static_cast<std::size_t>(Design::base_columns()));
+  std::iota(columns.begin(), columns.end(), 0);
   for (const std::size_t index : choice) {
     const Form& form = design.forms()[index];
     for (Eigen::Index i = 0; i < form.count; ++i) {
@@ -42,7 +41,7 @@ JointVector rss_of(const Design& design,
                    Rows rows,
                    const std::vector<Eigen::Index>& columns,
                    const Eigen::VectorXd& coefficients) {
-  JointVector rss;
+  JointVector rss = JointVector::Zero();
   for (std::size_t axis = 0; axis < kJoints; ++axis) {
     const Eigen::MatrixXd& gram = design.gram(rows, axis);
     const Eigen::VectorXd b = gram(columns, design.target());
@@ -158,7 +157,7 @@ JointVector ModelChoice::left_out(const Choice& choice) const {
   const Fitted fitted = fit(choice, Rows::training);
   const JointVector rss =
       rss_of(design_, Rows::held_out, columns_of(design_, choice), fitted.coefficients);
-  JointVector mean;
+  JointVector mean = JointVector::Zero();
   for (std::size_t axis = 0; axis < kJoints; ++axis) {
     const auto i = static_cast<Eigen::Index>(axis);
     mean[i] = rss[i] / (std::max(1.0, design_.size(Rows::held_out, axis)) * noise_.variance[i]);

@@ -41,6 +41,7 @@ GivenEffect effect_of(const json& given) {
     if (!member(each, "value").is_number()) continue;
     effect.parameters[text(each, "name")] = {number(each, "value"), number(each, "std")};
   }
+  effect.alternatives.reserve(member(given, "alternatives").size());
   for (const json& each : member(given, "alternatives")) {
     effect.alternatives.push_back({name_as_compared(name_of(each)), number(each, "confidence")});
   }
@@ -72,6 +73,7 @@ std::optional<GivenAnswer> read_answer(const json& given) {
     if (axis.is_number_integer()) answer.axes.push_back(axis);
   }
   answer.channels = channels_of(member(mismatch, "channel"));
+  answer.effects.reserve(member(given, "effects").size());
   for (const json& each : member(given, "effects")) {
     if (each.is_object()) answer.effects.push_back(effect_of(each));
   }

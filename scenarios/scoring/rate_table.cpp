@@ -1,6 +1,7 @@
 #include "scenarios/scoring/rate_table.hpp"
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <set>
 #include <utility>
@@ -10,17 +11,17 @@
 namespace teleop {
 namespace {
 
-/// "31/33, 94 % (at most 99 %)".
+/// "1/33, 3.0 % (≤ 13.6 %)".
 std::string upper(const Rate& rate) {
   if (rate.n == 0) return "–";
-  return fmt::format("{}/{}, {:.1f} % (≤ {:.1f} %)", rate.k, rate.n, 100.0 * *rate.value(),
-                     100.0 * rate.upper95());
+  return fmt::format("{}/{}, {:.1f} % (≤ {:.1f} %)", rate.k, rate.n,
+                     100.0 * rate.value().value_or(0.0), 100.0 * rate.upper95());
 }
 
 std::string lower(const Rate& rate) {
   if (rate.n == 0) return "–";
-  return fmt::format("{}/{}, {:.1f} % (≥ {:.1f} %)", rate.k, rate.n, 100.0 * *rate.value(),
-                     100.0 * rate.lower95());
+  return fmt::format("{}/{}, {:.1f} % (≥ {:.1f} %)", rate.k, rate.n,
+                     100.0 * rate.value().value_or(0.0), 100.0 * rate.lower95());
 }
 
 std::string percent(const Spread& spread) {
@@ -39,100 +40,83 @@ std::string calibration(const Calibration& calibration) {
   return fmt::format("{:.3f} / {:.3f} (n = {})", calibration.ece, calibration.brier, calibration.n);
 }
 
+using Cell = std::function<std::string(const Rates&)>;
+
 struct Row {
   std::string name{};
   std::string aim{};
-  std::function<std::string(const Rates&)> cell{};
+  Cell cell{};
 };
+
+Cell at_least(Rate Rates::* part) {
+  return [part](const Rates& rates) {
+    return lower(rates.*part);
+  };
+}
+
+Cell at_most(Rate Rates::* part) {
+  return [part](const Rates& rates) {
+    return upper(rates.*part);
+  };
+}
+
+Cell at_least(std::size_t band, Rate BandRates::* part) {
+  return [band, part](const Rates& rates) {
+    return lower(rates.bands.at(band).*part);
+  };
+}
+
+Cell at_most(std::size_t band, Rate BandRates::* part) {
+  return [band, part](const Rates& rates) {
+    return upper(rates.bands.at(band).*part);
+  };
+}
 
 void add_bands(std::vector<Row>& rows) {
   constexpr std::array kNames{"DNR ≥ 10 %", "DNR 2–10 %", "DNR < 2 %"};
-  constexpr std::array kAims{"≥ 95 %", "≥ 90 %", ""};
+  constexpr std::array kRight{"≥ 95 %", "≥ 90 %", ""};
+  constexpr std::array kWrong{"", "", "≤ 3 %"};
   for (std::size_t i = 0; i < kNames.size(); ++i) {
     const std::string band = kNames.at(i);
-    rows.push_back(
-        {"one effect, " + band + ": right name and axis", kAims.at(i), [i](const Rates& r) {
-           return lower(r.bands.at(i).right);
-         }});
-    rows.push_back({band + ": truth in the stated set", "", [i](const Rates& r) {
-                      return lower(r.bands.at(i).in_set);
-                    }});
-    rows.push_back({band + ": a wrong name", i == 2 ? "≤ 3 %" : "", [i](const Rates& r) {
-                      return upper(r.bands.at(i).wrong_name);
-                    }});
-    rows.push_back({band + ": nothing named", "", [i](const Rates& r) {
-                      return upper(r.bands.at(i).silent);
-                    }});
-    rows.push_back({band + ": right axis", "", [i](const Rates& r) {
-                      return lower(r.bands.at(i).axis);
-                    }});
-    rows.push_back({band + ": right channel", "", [i](const Rates& r) {
-                      return lower(r.bands.at(i).channel);
-                    }});
+    rows.push_back({"one effect, " + band + ": right name and axis", kRight.at(i),
+                    at_least(i, &BandRates::right)});
+    rows.push_back({band + ": truth in the stated set", "", at_least(i, &BandRates::in_set)});
+    rows.push_back({band + ": a wrong name", kWrong.at(i), at_most(i, &BandRates::wrong_name)});
+    rows.push_back({band + ": nothing named", "", at_most(i, &BandRates::silent)});
+    rows.push_back({band + ": right axis", "", at_least(i, &BandRates::axis)});
+    rows.push_back({band + ": right channel", "", at_least(i, &BandRates::channel)});
   }
 }
 
-std::vector<Row> rows_of_a_campaign() {
-  std::vector<Row> rows{{"no effect: false discovery", "≤ 1 %", [](const Rates& r) {
-                           return upper(r.false_discoveries);
-                         }}};
-  add_bands(rows);
+void add_others(std::vector<Row>& rows) {
   const std::vector<Row> others{
-      {"two effects: exactly right", "≥ 80 %",
-       [](const Rates& r) {
-         return lower(r.pairs_exact);
-       }},
-      {"two effects: at least one", "",
-       [](const Rates& r) {
-         return lower(r.pairs_any);
-       }},
-      {"two effects: a wrong name", "",
-       [](const Rates& r) {
-         return upper(r.pairs_wrong_name);
-       }},
-      {"outside the vocabulary: flagged", "≥ 90 %",
-       [](const Rates& r) {
-         return lower(r.flagged);
-       }},
-      {"outside the vocabulary: misnamed", "≤ 5 %",
-       [](const Rates& r) {
-         return upper(r.misnamed);
-       }},
-      {"explicable: flagged", "≤ 5 %",
-       [](const Rates& r) {
-         return upper(r.false_flags);
-       }},
+      {"two effects: exactly right", "≥ 80 %", at_least(&Rates::pairs_exact)},
+      {"two effects: at least one", "", at_least(&Rates::pairs_any)},
+      {"two effects: a wrong name", "", at_most(&Rates::pairs_wrong_name)},
+      {"outside the vocabulary: flagged", "≥ 90 %", at_least(&Rates::flagged)},
+      {"outside the vocabulary: misnamed", "≤ 5 %", at_most(&Rates::misnamed)},
+      {"explicable: flagged", "≤ 5 %", at_most(&Rates::false_flags)},
       {"parameter error, DNR ≥ 2 %: median / 90th percentile", "≤ 2 % / –",
-       [](const Rates& r) {
-         return percent(r.parameter_error);
+       [](const Rates& rates) {
+         return percent(rates.parameter_error);
        }},
-      {"90 % intervals cover, DNR ≥ 2 %", "85–95 %",
-       [](const Rates& r) {
-         return lower(r.covered);
-       }},
-      {"90 % intervals cover, all", "",
-       [](const Rates& r) {
-         return lower(r.covered_all);
-       }},
+      {"90 % intervals cover, DNR ≥ 2 %", "85–95 %", at_least(&Rates::covered)},
+      {"90 % intervals cover, all", "", at_least(&Rates::covered_all)},
       {"run held back, RMS over that of the true model: median / 90th percentile", "≤ 1.05 / –",
-       [](const Rates& r) {
-         return ratio(r.held_out);
+       [](const Rates& rates) {
+         return ratio(rates.held_out);
        }},
       {"RMS over the noise floor, as the answer says: median / 90th percentile", "",
-       [](const Rates& r) {
-         return ratio(r.over_floor);
+       [](const Rates& rates) {
+         return ratio(rates.over_floor);
        }},
       {"confidences: calibration error / Brier score", "≤ 0.03 / –",
-       [](const Rates& r) {
-         return calibration(r.calibration);
+       [](const Rates& rates) {
+         return calibration(rates.calibration);
        }},
-      {"no answer", "0",
-       [](const Rates& r) {
-         return upper(r.missing);
-       }},
+      {"no answer", "0", at_most(&Rates::missing)},
   };
   rows.insert(rows.end(), others.begin(), others.end());
-  return rows;
 }
 
 TextTable figures(const std::vector<Contestant>& contestants) {
@@ -140,7 +124,11 @@ TextTable figures(const std::vector<Contestant>& contestants) {
   for (const Contestant& each : contestants) {
     table.rows.front().push_back(each.name);
   }
-  for (const Row& row : rows_of_a_campaign()) {
+  std::vector<Row> rows{
+      {"no effect: false discovery", "≤ 1 %", at_most(&Rates::false_discoveries)}};
+  add_bands(rows);
+  add_others(rows);
+  for (const Row& row : rows) {
     std::vector<std::string> cells{row.name, row.aim};
     bool empty = true;
     for (const Contestant& each : contestants) {

@@ -19,7 +19,7 @@ json effect(const char* kind, const json& axis, json parameters) {
   return {{"kind", kind}, {"axis", axis}, {"parameters", std::move(parameters)}};
 }
 
-json truth_json(const char* group, json effects, double dnr = 0.2) {
+json truth_json(const char* group, const std::vector<json>& effects, double dnr = 0.2) {
   return {{"case", "case-0001"},
           {"class", group},
           {"sub", ""},
@@ -28,8 +28,8 @@ json truth_json(const char* group, json effects, double dnr = 0.2) {
           {"dnr_held_out", dnr}};
 }
 
-CaseTruth truth(const char* group, json effects) {
-  return read_truth(truth_json(group, std::move(effects)));
+CaseTruth truth(const char* group, const std::vector<json>& effects) {
+  return read_truth(truth_json(group, effects));
 }
 
 json named(const char* kind, const json& axis, double confidence) {
@@ -168,7 +168,7 @@ TEST(Score, TakesAMissingOrBrokenAnswerForWrong) {
   EXPECT_FALSE(read_answer(json()));
   EXPECT_FALSE(read_answer(json::array({1})));
   EXPECT_TRUE(read_answer({{"verdict", "adequate"}, {"effects", 3}, {"mismatch", "x"}}));
-  const CaseScore missing = score(truth("null", json::array()), std::nullopt);
+  const CaseScore missing = score(truth("null", {}), std::nullopt);
   EXPECT_TRUE(missing.missing);
   EXPECT_FALSE(missing.good());
 }
