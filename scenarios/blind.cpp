@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
+#include <filesystem>
 #include <mutex>
 #include <thread>
 
@@ -22,6 +23,8 @@
 
 namespace teleop {
 namespace {
+
+namespace fs = std::filesystem;
 
 concealed::ConcealedPlan plan_of(const BlindOptions& options) {
   concealed::ConcealedPlan plan = options.plan;
@@ -60,10 +63,19 @@ void report(const BlindStore& store,
   }
 }
 
+/// Hours later would be too late to find out.
+void check_json(const std::string& file) {
+  const fs::path folder = fs::absolute(file).parent_path();
+  if (!file.empty() && !fs::is_directory(folder)) {
+    throw ConfigError{fmt::format("--json {}: there is no folder {}", file, folder.string())};
+  }
+}
+
 }  // namespace
 
 int run_blind(const BlindOptions& options) {
   const concealed::ConcealedPlan plan = plan_of(options);
+  check_json(options.json);
   BlindStore store{folder_of(options), plan};
   const std::vector<std::size_t> missing = store.missing();
   const std::size_t before = store.lines().size();
@@ -100,6 +112,7 @@ int run_blind(const BlindOptions& options) {
 }
 
 int merge_blind(const BlindOptions& options) {
+  check_json(options.json);
   if (options.out.empty()) throw ConfigError{"blind merge: --out FOLDER says where to"};
   const concealed::ConcealedPlan plan = planned_in(options.shards.front());
   BlindStore store{options.out, plan};

@@ -11,6 +11,7 @@
 
 #include "core/base/error.hpp"
 #include "scenarios/blind_store.hpp"
+#include "scenarios/child.hpp"
 #include "scenarios/concealed/seal.hpp"
 #include "tests/support/command.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -182,6 +183,24 @@ TEST_F(BlindCampaign, RefusesAFolderOfAnotherCampaignAndAShardThatIsNone) {
   EXPECT_THROW((void)run_blind(one), ConfigError);
   one.shard = "3/2";
   EXPECT_THROW((void)run_blind(one), ConfigError);
+}
+
+TEST(BlindProgram, EndsAtOnceWhenAskedToAndKeepsNoHalfCase) {
+  const TemporaryFolder folder;
+  const fs::path slow = folder.write("slow.sh", "#!/bin/sh\nexec sleep 60\n");
+  fs::permissions(slow, fs::perms::owner_all);
+  const fs::path out = folder.path() / "out";
+  Child blind{"blind",
+              {sibling_program("teleop"), "blind", "--nulls", "1", "--out", out.string(),
+               "--diagnose", slow.string()},
+              (folder.path() / "stderr").string()};
+  while (!blind.exit_code() && contents(out / "seals.txt").empty()) {
+    (void)blind.next_line(5);
+  }
+  blind.ask_to_end();
+  EXPECT_EQ(blind.end(20'000), 1);
+  EXPECT_EQ(contents(out / "cases.jsonl"), "");
+  EXPECT_NE(contents(folder.path() / "stderr").find("1 cases are missing"), std::string::npos);
 }
 
 TEST(BlindProgram, KeepsSilentOnANullByTheRealDiagnosis) {
