@@ -65,8 +65,9 @@ void report(const BlindStore& store,
 
 /// Hours later would be too late to find out.
 void check_json(const std::string& file) {
+  if (file.empty()) return;
   const fs::path folder = fs::absolute(file).parent_path();
-  if (!file.empty() && !fs::is_directory(folder)) {
+  if (!fs::is_directory(folder)) {
     throw ConfigError{fmt::format("--json {}: there is no folder {}", file, folder.string())};
   }
 }
