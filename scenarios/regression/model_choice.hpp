@@ -17,7 +17,7 @@ enum class Counting : std::uint8_t {
   correlated,  ///< rows are worth n / correlation length of the residuals
 };
 
-/// Which forms explain the rows, by forward selection with swaps: least
+/// Which forms explain the rows, by forward selection with swaps: least [Schwarz 1978]
 ///
 ///     BIC = Σ_axis n/L log(RSS / n) + |z|² + k log Σ n/L,
 ///

@@ -11,7 +11,7 @@
 
 namespace teleop {
 
-/// So many of so many, with the one-sided bounds of Clopper and Pearson.
+/// So many of so many, with one-sided bounds [Clopper 1934].
 struct Rate {
   std::size_t k = 0;
   std::size_t n = 0;
