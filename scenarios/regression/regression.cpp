@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -22,6 +23,7 @@ using Name = std::pair<std::string, std::size_t>;
 constexpr double kLeftover = 25.0;  // χ² of one degree that some thirty probes do not reach
 constexpr double kWorthMention = 0.005;
 constexpr std::size_t kMostAlternatives = 4;
+constexpr double kNamedShare = 0.55;  // of two that cannot be told apart
 
 /// Probabilities of what could stand in the place of one chosen form, itself first.
 struct Rivals {
@@ -67,32 +69,30 @@ Json axis_of(const Regressor& regressor, std::size_t axis) {
   return regressor.per_axis ? Json(axis + 1) : Json(nullptr);
 }
 
-Json effect_json(const FinalFit::Effect& effect, const Rivals& rivals, const ArmModel& arm) {
+Json effect_json(const FinalFit::Effect& effect,
+                 const std::vector<Regressor::Parameter>& parameters,
+                 const Rivals& rivals) {
   const Regressor& regressor = *effect.regressor;
-  Json parameters = Json::array();
-  const auto list =
-      regressor.parameters(effect.estimate, {arm, effect.axis, effect.estimate.shape});
-  if (list) {
-    for (const Regressor::Parameter& each : *list) {
-      parameters.push_back({{"name", each.name}, {"value", each.value}, {"std", each.deviation}});
-    }
+  Json list = Json::array();
+  for (const Regressor::Parameter& each : parameters) {
+    list.push_back({{"name", each.name}, {"value", each.value}, {"std", each.deviation}});
   }
-  // A late reading and a late command are the same to a regression.
+  // A late reading and a late command are the same to a regression; one has to be named.
   const bool delay = regressor.kind == "actuation_delay";
-  const double own = delay ? rivals.own / 2.0 : rivals.own;
+  const double own = delay ? kNamedShare * rivals.own : rivals.own;
   Json others = Json::array();
   const auto add = [&others](std::string_view kind, Json axis, double confidence) {
     if (confidence < kWorthMention || others.size() >= kMostAlternatives) return;
     others.push_back({{"kind", kind}, {"axis", std::move(axis)}, {"confidence", confidence}});
   };
-  if (delay) add("sensor_delay", effect.axis + 1, own);
+  if (delay) add("sensor_delay", effect.axis + 1, rivals.own - own);
   for (const auto& [form, share] : rivals.others) {
     add(form.regressor->kind, axis_of(*form.regressor, form.axis), share);
   }
   return {{"kind", regressor.kind},
           {"axis", axis_of(regressor, effect.axis)},
           {"confidence", own},
-          {"parameters", parameters},
+          {"parameters", list},
           {"alternatives", others}};
 }
 
@@ -152,7 +152,12 @@ Json regress(const Design& design, const DiagnosisCase& data, Counting counting)
   const FinalFit fit = final_fit(design, choice, counting);
   Json effects = Json::array();
   for (std::size_t i = 0; i < fit.effects.size(); ++i) {
-    effects.push_back(effect_json(fit.effects[i], rivals_of(design, choice, i), design.arm()));
+    const FinalFit::Effect& effect = fit.effects[i];
+    const auto parameters = effect.regressor->parameters(
+        effect.estimate, {design.arm(), effect.axis, effect.estimate.shape});
+    // On all rows, and between the points of the grid, it may have become impossible.
+    if (parameters)
+      effects.push_back(effect_json(effect, *parameters, rivals_of(design, choice, i)));
   }
   const Leftover leftover = leftover_of(design, choice);
   const bool left = leftover.gain > kLeftover;
