@@ -46,14 +46,16 @@ std::string tables(const fs::path& folder) {
 /// A folder, a program that stands for the diagnosis, and options for a few nulls.
 class BlindCampaign : public ::testing::Test {
  protected:
-  /// A whole campaign, done once for all tests.
-  static void SetUpTestSuite() {
-    done_ = std::make_unique<TemporaryFolder>();
-    ASSERT_EQ(run_blind(options_in(*done_, "whole", kSilent)), 0);
-  }
   static void TearDownTestSuite() { done_.reset(); }
 
-  [[nodiscard]] static fs::path whole() { return done_->path() / "whole"; }
+  /// The folder of a whole campaign, done when it is first asked for.
+  [[nodiscard]] static fs::path whole() {
+    if (!done_) {
+      done_ = std::make_unique<TemporaryFolder>();
+      EXPECT_EQ(run_blind(options_in(*done_, "whole", kSilent)), 0);
+    }
+    return done_->path() / "whole";
+  }
   [[nodiscard]] BlindOptions options(const std::string& out, const std::string& script = kSilent) {
     return options_in(folder_, out, script);
   }
@@ -78,7 +80,7 @@ class BlindCampaign : public ::testing::Test {
 };
 
 TEST_F(BlindCampaign, WritesItsFiguresByTheirAgreedNames) {
-  const json figures = json::parse(contents(whole().string() + ".json"));
+  const json figures = json::parse(contents(whole() += ".json"));
   EXPECT_EQ(figures.at("seed"), 8);
   EXPECT_EQ(figures.at("cases"), 2);
   EXPECT_EQ(figures.at("nulls").at("n"), 2);
