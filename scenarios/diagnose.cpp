@@ -210,7 +210,8 @@ void diagnose_all(const DiagnoseOptions& options,
   const std::size_t threads =
       options.threads > 0 ? static_cast<std::size_t>(options.threads) : cores;
   std::vector<IndexEntry> index;
-  for (std::size_t i = 0; i < cases.size() && !asked; ++i) {
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    if (asked && i > 0) break;  // of the first something is known in any case
     ProgressLine line{cases[i].name};
     Likelihood likelihood{cases[i], load_arm(cases[i].plant), threads};
     const Diagnosis diagnosis =
@@ -228,7 +229,7 @@ void diagnose_all(const DiagnoseOptions& options,
                answer);
     index.push_back({.name = cases[i].name,
                      .file = cases[i].name + ".html",
-                     .verdict = answer["verdict"].get<std::string>(),
+                     .verdict = std::string{text_of(diagnosis.verdict)},
                      .headline = headline_of(diagnosis)});
   }
   if (!options.report_dir.empty()) {

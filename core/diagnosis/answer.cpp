@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "core/diagnosis/miss_words.hpp"
 #include "core/diagnosis/self_check.hpp"
 #include "core/effects/vocabulary.hpp"
 
@@ -118,24 +119,6 @@ Json leftover_axis(const Leftover& leftover, const DiagnosisCase& data) {
   return data.bench.empty() ? Json(leftover.axis + 1) : Json(data.bench[leftover.axis].name);
 }
 
-std::string where_of(const Diagnosis& diagnosis) {
-  std::vector<std::string> parts;
-  if (diagnosis.found.unfinished) parts.emplace_back("unfinished, the search was stopped");
-  if (!diagnosis.where.where.empty()) parts.push_back(diagnosis.where.where);
-  if (something_is_left(diagnosis)) {
-    const Leftover& first = diagnosis.leftovers.front();
-    const std::string& when = diagnosis.where.left_over.at(first.axis);
-    parts.push_back(fmt::format("left on axis {} is {}{}{}", first.axis + 1,
-                                first.amplitude > 0.0
-                                    ? fmt::format("a torque of about {:.2g} N m that follows {}",
-                                                  first.amplitude, first.quantity)
-                                    : first.quantity,
-                                when.empty() ? "" : ", ", when));
-  }
-  if (parts.empty()) return "nothing stands out of the noise";
-  return fmt::format("{}", fmt::join(parts, "; "));
-}
-
 Json rivals_of(const Diagnosis& diagnosis, std::size_t effect, const DiagnosisCase& data) {
   constexpr double kWorthMention = 0.005;
   const NamedEffect& named = diagnosis.found.effects[effect];
@@ -211,6 +194,20 @@ std::string_view text_of(Verdict verdict) noexcept {
   return "unexplained";
 }
 
+std::string where_of(const Diagnosis& diagnosis) {
+  std::vector<std::string> parts;
+  if (diagnosis.found.unfinished) parts.emplace_back("unfinished, the search was stopped");
+  if (!diagnosis.where.where.empty()) parts.push_back(diagnosis.where.where);
+  if (something_is_left(diagnosis)) {
+    const Leftover& first = diagnosis.leftovers.front();
+    const std::string& when = diagnosis.where.left_over.at(first.axis);
+    parts.push_back(fmt::format("left on axis {} is {}{}{}", first.axis + 1, text_of(first),
+                                when.empty() ? "" : ", ", when));
+  }
+  if (parts.empty()) return "nothing stands out of the noise";
+  return fmt::format("{}", fmt::join(parts, "; "));
+}
+
 Diagnosis diagnose(Likelihood& likelihood, const SearchOptions& options) {
   constexpr double kPlaces = 100.0;  // independent ones among trials, about
   Diagnosis diagnosis;
@@ -219,7 +216,9 @@ Diagnosis diagnose(Likelihood& likelihood, const SearchOptions& options) {
   Leftovers left = leftovers(likelihood, diagnosis.found.best.fit);
   diagnosis.leftovers = std::move(left.all);
   double replicas = 0.0;
-  if (!diagnosis.found.effects.empty() || judge(diagnosis, 0.0) != Verdict::adequate) {
+  const bool worth_a_check =
+      !diagnosis.found.effects.empty() || judge(diagnosis, 0.0) != Verdict::adequate;
+  if (worth_a_check && !diagnosis.found.unfinished) {
     if (options.progress) options.progress("replicas");
     const SelfCheck check = self_check(likelihood, diagnosis.found.best);
     widen(diagnosis.found, check);
@@ -238,6 +237,9 @@ Diagnosis diagnose(Likelihood& likelihood, const SearchOptions& options) {
   };
   say("locating");
   diagnosis.where = localise(likelihood, diagnosis.found);
+  if (diagnosis.found.effects.empty() && !diagnosis.leftovers.empty()) {
+    diagnosis.where.axis = diagnosis.leftovers.front().axis;
+  }
   diagnosis.free = free_run(likelihood, diagnosis.found);
   if (diagnosis.found.unfinished) {
     diagnosis.next.text = "none yet: run the diagnosis to its end";

@@ -45,6 +45,9 @@ struct Diagnosis {
 /// Searches, looks at what is left over and judges.
 [[nodiscard]] Diagnosis diagnose(Likelihood& likelihood, const SearchOptions& options);
 
+/// Where the nominal model misses the recordings, and what is left, in a line.
+[[nodiscard]] std::string where_of(const Diagnosis& diagnosis);
+
 /// The answer as scripts read it (docs/diagnosis.md).
 [[nodiscard]] nlohmann::ordered_json answer_of(const Diagnosis& diagnosis,
                                                const DiagnosisCase& data);

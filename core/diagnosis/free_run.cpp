@@ -8,6 +8,7 @@
 
 #include "core/diagnosis/parallel.hpp"
 #include "core/diagnosis/predictor.hpp"
+#include "core/diagnosis/replicate.hpp"
 #include "core/diagnosis/tether_covariance.hpp"
 #include "core/effects/vocabulary.hpp"
 #include "core/model/dynamics.hpp"
@@ -28,6 +29,30 @@ JointMatrix weight_stiffness(const ArmModel& arm, const JointVector& q) {
         (gravity_torque(arm, q + step) - gravity_torque(arm, q - step)) / (2.0 * kStep);
   }
   return stiffness;
+}
+
+/// Σ e² of the true model that is left alone on recordings which it made itself.
+JointVector replica_noise(const Likelihood& likelihood,
+                          const Explanation& best,
+                          std::size_t alone) {
+  constexpr std::uint64_t kSeed = 1;
+  const DiagnosisCase made = replicate(likelihood, best.fit.model, best.noise, kSeed);
+  const PlantTerms terms = terms_of(best.fit.model.effects);
+  const ArmModel arm = likelihood.prior().arm(best.fit.model.base);
+  PredictorModel left{arm, terms};
+  left.free_rows = alone;
+  std::vector<JointVector> sums(likelihood.runs(), JointVector::Zero());
+  for_each_index(likelihood.runs(), likelihood.threads(), [&](std::size_t run) {
+    const Prediction told = predict(left, made.runs[run], made.period_s, likelihood.tether(run));
+    for (std::size_t k = 0; k < told.innovations.size(); ++k) {
+      if (k / alone % 2 == 1) sums[run] += told.innovations[k].cwiseAbs2();
+    }
+  });
+  JointVector total = JointVector::Zero();
+  for (const JointVector& each : sums) {
+    total += each;
+  }
+  return total;
 }
 
 /// What one run adds up while models are alone.
@@ -94,6 +119,15 @@ FreeRun free_run(const Likelihood& likelihood, const SearchResult& found) {
   const auto share = [&](const JointVector& of) {
     return JointVector{of.cwiseQuotient(total.motion.cwiseMax(1e-300)).cwiseSqrt()};
   };
+  // Friction holds what noise would move: a replica knows, the linear model does not.
+  const JointVector replica = replica_noise(likelihood, found.best, alone);
+  const JointVector calmer = replica.cwiseQuotient(total.noise.cwiseMax(1e-300)).cwiseSqrt();
+  for (FreeRun::Trace& trace : result.traces) {
+    for (JointVector& deviation : trace.deviation) {
+      deviation = deviation.cwiseProduct(calmer).eval();
+    }
+  }
+  total.noise = replica;
   result.nominal = share(total.nominal);
   result.corrected = share(total.corrected);
   result.noise = share(total.noise);

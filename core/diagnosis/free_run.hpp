@@ -15,7 +15,7 @@ namespace teleop {
 struct FreeRun {
   JointVector nominal = JointVector::Zero();    ///< RMS error over RMS motion, an axis each
   JointVector corrected = JointVector::Zero();  ///< the same of the best model
-  JointVector noise = JointVector::Zero();      ///< what disturbances and readings alone make
+  JointVector noise = JointVector::Zero();      ///< the true model's on a replica: noise alone
   double motion_s = 0.0;                        ///< for which a model is left alone
 
   /// Readings less predictions of one run while the models are alone, NaN while they are held.

@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/effects/effect_words.hpp"
+
 namespace teleop {
 namespace {
 
@@ -191,6 +193,13 @@ void put_in_words(Localisation& found, const std::vector<std::string>& runs) {
     found.left_over.at(i) = fmt::format("{}, {}", runs_text(miss.run_power, noise, runs),
                                         band_text(found.f_Hz, miss.spectrum, flat));
   }
+}
+
+std::string text_of(const Leftover& leftover) {
+  if (leftover.amplitude <= 0.0) return leftover.quantity;
+  const std::string size = quantity_text(leftover.amplitude, 0.0, "N m");
+  if (leftover.quantity == "constant") return fmt::format("a constant torque of about {}", size);
+  return fmt::format("a torque of about {} that follows {}", size, leftover.quantity);
 }
 
 }  // namespace teleop

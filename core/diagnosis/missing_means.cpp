@@ -22,8 +22,8 @@ struct BlockSum {
 }  // namespace
 
 bool MissingMean::significant() const noexcept {
-  constexpr std::size_t kFewestBlocks = 5;
-  constexpr double kFar = 3.0;
+  constexpr std::size_t kFewestBlocks = 4;
+  constexpr double kFar = 2.6;  // two-sided 1 %
   return blocks >= kFewestBlocks && std::abs(mean) > kFar * deviation;
 }
 

@@ -1,13 +1,14 @@
 #include "core/diagnosis/report.hpp"
 
+#include <cctype>
 #include <cmath>
 #include <iterator>
 
 #include <fmt/format.h>
 
+#include "core/diagnosis/miss_words.hpp"
 #include "core/diagnosis/page.hpp"
 #include "core/diagnosis/report_parts.hpp"
-#include "core/effects/effect_words.hpp"
 #include "core/reporting/escape.hpp"
 #include "core/reporting/form.hpp"
 #include "core/reporting/page.hpp"
@@ -28,10 +29,7 @@ std::string percent(double share) {
 
 std::string leftover_sentence(const Diagnosis& diagnosis) {
   const Leftover& first = diagnosis.leftovers.front();
-  const std::string size =
-      first.amplitude > 0.0 ? quantity_text(first.amplitude, 0.0, "N m") + ", " : "";
-  return fmt::format("on axis {}, {}{}{}", first.axis + 1, size,
-                     first.amplitude > 0.0 ? "following " : "", first.quantity);
+  return fmt::format("on axis {} {}", first.axis + 1, text_of(first));
 }
 
 std::string figure(const std::string& label, const std::string& value, const std::string& more) {
@@ -48,12 +46,15 @@ std::string figures_of(const Diagnosis& diagnosis) {
   for (char& c : verdict) {
     if (c == '_') c = ' ';
   }
-  return figure("Verdict", verdict, "") +
-         figure("Nominal model misses", percent(free.nominal[axis]), on) +
-         figure("Corrected model misses", percent(free.corrected[axis]), on) +
-         figure("Noise makes", percent(free.noise[axis]), on) +
+  std::string out = figure("Verdict", verdict, "") +
+                    figure("Nominal model misses", percent(free.nominal[axis]), on);
+  if (!diagnosis.found.effects.empty()) {
+    out += figure("Corrected model misses", percent(free.corrected[axis]), on);
+  }
+  return out + figure("Noise makes", percent(free.noise[axis]), on) +
          figure("Prediction errors",
-                fmt::format("{:.2f} → {:.2f}", diagnosis.fit.nominal, diagnosis.fit.corrected),
+                fmt::format("{:.2f}&nbsp;→&nbsp;{:.2f}", diagnosis.fit.nominal,
+                            diagnosis.fit.corrected),
                 "in units of the noise") +
          figure("Chance of that by noise",
                 diagnosis.p_value < 1e-4 ? "&lt; 0.01 %" : percent(diagnosis.p_value),
@@ -124,9 +125,8 @@ std::string diagnosis_page(const ReportedDiagnosis& reported) {
     story += (story.empty() ? "" : " ") + sentence_html(sentence);
   }
   const TraceCharts traces = trace_charts(diagnosis, reported.data);
-  const std::string where = diagnosis.where.where.empty()
-                                ? std::string{"Nothing stands out of the noise."}
-                                : fmt::format("The difference sits on {}.", diagnosis.where.where);
+  std::string where = where_of(diagnosis) + ".";
+  where.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(where.front())));
   return fill_form(
       diagnosis_form::form,
       {{"case", escape_html(reported.data.name)},
@@ -156,10 +156,11 @@ std::string diagnosis_page(const ReportedDiagnosis& reported) {
 std::string index_page(const std::vector<IndexEntry>& entries) {
   std::string rows;
   for (const IndexEntry& each : entries) {
-    fmt::format_to(std::back_inserter(rows),
-                   "<tr><td><a href=\"{}\">{}</a></td><td>{}</td><td>{}</td></tr>\n",
-                   escape_html(each.file), escape_html(each.name), escape_html(each.verdict),
-                   sentence_html(each.headline));
+    fmt::format_to(
+        std::back_inserter(rows),
+        "<tr><td class=\"value\"><a href=\"{}\">{}</a></td><td>{}</td><td>{}</td></tr>\n",
+        escape_html(each.file), escape_html(each.name), escape_html(each.verdict),
+        sentence_html(each.headline));
   }
   return fmt::format(
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"

@@ -50,7 +50,7 @@ std::string map_svg(const MissingMap& map, double scale, std::size_t axis) {
   return svg_of(svg);
 }
 
-/// The size that few cells exceed, and no less than what chance makes of some.
+/// The size that few cells exceed, and no less than what chance makes of half of them.
 double scale_of(const MissingMap& map) {
   std::vector<double> sizes;
   std::vector<double> chance;
@@ -59,11 +59,11 @@ double scale_of(const MissingMap& map) {
     sizes.push_back(std::abs(each.mean));
     chance.push_back(3.0 * each.deviation);
   }
-  const auto upper = [](std::vector<double>& values) {
+  const auto quantile = [](std::vector<double>& values, std::size_t tenths) {
     std::sort(values.begin(), values.end());
-    return values.empty() ? 0.0 : values[values.size() * 9 / 10];
+    return values.empty() ? 0.0 : values[values.size() * tenths / 10];
   };
-  return std::max({upper(sizes), upper(chance), 1e-6});
+  return std::max({quantile(sizes, 9), quantile(chance, 5), 1e-6});
 }
 
 void add_profile(SvgPlot& plot, const MissingProfile& profile, const char* name) {

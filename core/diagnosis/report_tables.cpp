@@ -235,7 +235,7 @@ std::string method_part(const Diagnosis& diagnosis, const DiagnosisCase& data) {
                    run.excitation.empty() ? "" : ": ", escape_html(run.excitation));
   }
   return out +
-         "</ul>\n<p class=\"note\">The search draws no random numbers; the bands of the maps come "
+         "</ul>\n<p class=\"note\">The search draws no random numbers; maps and noise come "
          "from a bootstrap with seed 1. The same recordings give the same page. ± is one standard "
          "error.</p>";
 }

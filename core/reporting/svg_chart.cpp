@@ -253,7 +253,7 @@ std::string svg_of(const SvgMap& map) {
   for (std::size_t i = 0; i < map.cells.size(); ++i) {
     const SvgMap::Cell& cell = map.cells[i];
     if (!cell.present) continue;
-    constexpr double kPale = 0.35;
+    constexpr double kPale = 0.45;
     const double share = std::min(std::abs(cell.value) / map.scale, 1.0);
     fmt::format_to(
         std::back_inserter(out),

@@ -56,7 +56,7 @@ TEST(SvgMap, DrawsCellsThatArePresentAndPalerWhereNotSure) {
   const std::string svg = svg_of(map);
   EXPECT_EQ(count(svg, "class=\"cell\""), 2U);
   EXPECT_EQ(count(svg, "var(--plus)"), 1U);
-  EXPECT_NE(svg.find("var(--minus)\" fill-opacity=\"0.35\""), std::string::npos);
+  EXPECT_NE(svg.find("var(--minus)\" fill-opacity=\"0.45\""), std::string::npos);
 }
 
 }  // namespace

@@ -26,6 +26,13 @@ std::string text_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>{in}, {}};
 }
 
+int play(const fs::path& scenario, const std::vector<std::string>& settings = {}) {
+  RunOptions options;
+  options.scenario = scenario.string();
+  options.settings = settings;
+  return run_scenario(options);
+}
+
 /// Plays a motion on a simulated arm with one effect. @returns the log.
 fs::path record(const TemporaryFolder& folder, const std::string& motion, double seconds) {
   const fs::path log = folder.path() / (motion + ".mcap");
@@ -34,7 +41,7 @@ fs::path record(const TemporaryFolder& folder, const std::string& motion, double
                           << "\"\nlog = \"" << log.string() << "\"\nseconds = " << seconds
                           << "\n[plant]\narm = \"phantom-1.5\"\n[[plant.effect]]\n"
                              "kind = \"viscous_friction\"\naxis = 2\ncoefficient = 0.01\n";
-  EXPECT_EQ(run_scenario({.scenario = scenario.string()}), 0);
+  EXPECT_EQ(play(scenario), 0);
   return log;
 }
 
@@ -55,14 +62,14 @@ TEST(Probe, WritesOverNothing) {
   const TemporaryFolder folder;
   const fs::path log = record(folder, "fast_sweep", 0.6);
   const std::string before = text_of(log);
-  EXPECT_THROW((void)run_scenario({.scenario = (folder.path() / "fast_sweep.toml").string()}),
-               ConfigError);
+  EXPECT_THROW((void)play(folder.path() / "fast_sweep.toml"), ConfigError);
   EXPECT_EQ(text_of(log), before);
 }
 
 TEST(Diagnose, OfARecordedProbeWritesAnswerReportAndAnExperimentThatRuns) {
   const TemporaryFolder folder;
-  DiagnoseOptions options{.cases = {record(folder, "fast_sweep", 4.0)}};
+  DiagnoseOptions options{
+      .cases = {record(folder, "fast_sweep", 3.0), record(folder, "hands_off", 3.0)}};
   options.json = folder.path() / "answer.json";
   options.report = folder.path() / "report.html";
   options.next = folder.path() / "next.toml";
@@ -75,7 +82,7 @@ TEST(Diagnose, OfARecordedProbeWritesAnswerReportAndAnExperimentThatRuns) {
   const Scenario scenario{read_scenario(options.next.string())};
   EXPECT_EQ(scenario.kind().name, "probe");
   ASSERT_EQ(scenario.plant().effects.size(), 1U);
-  EXPECT_EQ(run_scenario({.scenario = options.next.string(), .settings = {"run.seconds=1"}}), 0);
+  EXPECT_EQ(play(options.next, {"run.seconds=1"}), 0);
   EXPECT_TRUE(fs::exists(folder.path() / "next.mcap"));
 }
 
