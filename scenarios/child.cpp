@@ -50,7 +50,8 @@ void sleep_ms(int ms) noexcept {
 
 }  // namespace
 
-Child::Child(std::string name, const std::vector<std::string>& command) : name_{std::move(name)} {
+Child::Child(std::string name, const std::vector<std::string>& command, const std::string& errors)
+    : name_{std::move(name)} {
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) throw Error{name_ + ": no pipe could be made"};
   std::vector<std::string> words = command;
@@ -65,6 +66,10 @@ Child::Child(std::string name, const std::vector<std::string>& command) : name_{
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+  if (!errors.empty()) {
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, errors.c_str(),
+                                     O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  }
   const int error =
       posix_spawn(&id_, arguments[0], &actions, attributes.get(), arguments.data(), environ);
   posix_spawn_file_actions_destroy(&actions);

@@ -11,8 +11,9 @@ namespace teleop {
 /// A program started by this one, its standard output read line by line. The destructor ends it.
 class Child {
  public:
+  /// @param errors file for its standard error; empty: that of this program
   /// @throws Error when the program cannot be started.
-  Child(std::string name, const std::vector<std::string>& command);
+  Child(std::string name, const std::vector<std::string>& command, const std::string& errors = {});
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
   Child(Child&&) = delete;

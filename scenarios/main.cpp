@@ -16,9 +16,9 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", std::string{kVersion});
   app.footer("The two sides as processes of their own: teleop-master --help, teleop-slave --help.");
   Action action;
-  for (const auto add :
-       {add_loopback, add_workspace, add_logs, add_velocity, add_reproduce, add_effects, add_tune,
-        add_diagnose, add_predict, add_frequency_response, add_run, add_sweep, add_bench}) {
+  for (const auto add : {add_loopback, add_workspace, add_logs, add_velocity, add_reproduce,
+                         add_effects, add_tune, add_diagnose, add_predict, add_blind,
+                         add_frequency_response, add_run, add_sweep, add_bench}) {
     add(app, action);
   }
   try {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -11,13 +10,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include "core/base/error.hpp"
 #include "core/device/device.hpp"
 #include "core/experiment/sweep.hpp"
 #include "scenarios/listening.hpp"
 #include "scenarios/output.hpp"
+#include "scenarios/progress_line.hpp"
 #include "scenarios/run.hpp"
 #include "scenarios/sweep_picture.hpp"
 
@@ -25,7 +24,6 @@ namespace teleop {
 namespace {
 
 namespace fs = std::filesystem;
-using WallClock = std::chrono::steady_clock;
 
 SweepShard shard_of(const std::string& text) {
   SweepShard shard;
@@ -42,33 +40,6 @@ fs::path folder_of(const SweepOptions& options) {
   if (!options.out.empty()) return options.out;
   return fs::path{options.scenario}.stem().string() + "-sweep";
 }
-
-/// The line on stderr: in place on a terminal, else now and then.
-class ProgressLine {
- public:
-  explicit ProgressLine(std::size_t done) : done_before_{done} {}
-
-  void show(std::size_t done, std::size_t total) {
-    const auto now = WallClock::now();
-    const double elapsed_s = std::chrono::duration<double>(now - begin_).count();
-    const auto finished = static_cast<double>(done - done_before_);
-    const double left_s = elapsed_s / finished * static_cast<double>(total - done);
-    const std::string line = fmt::format("{} of {} points, {:.1f} s, about {:.0f} s left", done,
-                                         total, elapsed_s, left_s);
-    const bool terminal = isatty(STDERR_FILENO) != 0;
-    if (terminal) {
-      fmt::print(stderr, "\r\033[K{}{}", line, done == total ? "\n" : "");
-    } else if (done == total || now - shown_ > std::chrono::seconds{10}) {
-      fmt::print(stderr, "{}\n", line);
-      shown_ = now;
-    }
-  }
-
- private:
-  std::size_t done_before_;
-  WallClock::time_point begin_ = WallClock::now();
-  WallClock::time_point shown_ = begin_;
-};
 
 int report(const SweepPlan& plan,
            const SweepStore& store,
@@ -109,7 +80,7 @@ int run_sweep_verb(const SweepOptions& options) {
   }
   SweepStore store{folder_of(options), plan, shard};
   std::atomic<bool> asked{false};
-  ProgressLine line{store.lines().size()};
+  ProgressLine line{store.lines().size(), "points"};
   const SweepControl control{.stop = &asked,
                              .progress = [&line](std::size_t done, std::size_t total) {
                                line.show(done, total);

@@ -23,6 +23,7 @@ void add_sweep(CLI::App& app, Action& action);
 void add_bench(CLI::App& app, Action& action);
 void add_diagnose(CLI::App& app, Action& action);
 void add_predict(CLI::App& app, Action& action);
+void add_blind(CLI::App& app, Action& action);
 void add_tune(CLI::App& app, Action& action);
 void add_frequency_response(CLI::App& app, Action& action);
 

@@ -67,7 +67,14 @@ Verdict judge(const Diagnosis& diagnosis, double replicas) {
   return rest ? Verdict::partly_explained : Verdict::explained;
 }
 
+bool something_is_left(const Diagnosis& diagnosis) {
+  return diagnosis.verdict == Verdict::partly_explained ||
+         diagnosis.verdict == Verdict::unexplained;
+}
+
 void weigh_rivals(Diagnosis& diagnosis) {
+  // Where something is left over, what was named may only stand for it.
+  const double sure = something_is_left(diagnosis) ? 0.4 : 0.99;
   for (const NamedEffect& effect : diagnosis.found.effects) {
     std::vector<double> weights;
     double sum = 1.0 + std::exp(-effect.gain / (2.0 * kTemperature));
@@ -76,9 +83,9 @@ void weigh_rivals(Diagnosis& diagnosis) {
       sum += weights.back();
     }
     for (double& weight : weights) {
-      weight /= sum;
+      weight *= sure / sum;
     }
-    diagnosis.confidences.push_back(0.99 / sum);
+    diagnosis.confidences.push_back(sure / sum);
     diagnosis.rival_confidences.push_back(std::move(weights));
   }
 }
@@ -106,11 +113,6 @@ Json parameters_of(const NamedEffect& named) {
                     {"unit", parameter.unit}});
   }
   return list;
-}
-
-bool something_is_left(const Diagnosis& diagnosis) {
-  return diagnosis.verdict == Verdict::partly_explained ||
-         diagnosis.verdict == Verdict::unexplained;
 }
 
 Json leftover_axis(const Leftover& leftover, const DiagnosisCase& data) {

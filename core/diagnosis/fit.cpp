@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <ceres/ceres.h>
@@ -75,7 +76,9 @@ class RunErrors final : public ceres::CostFunction {
       first_.push_back(rows);
       rows += columns.rows();
     }
-    set_num_residuals(static_cast<int>(rows));
+    volume_row_ = rows;
+    start_volume_ = errors_and_volume(start).second;
+    set_num_residuals(static_cast<int>(rows) + 1);
     if (!free.empty()) mutable_parameter_block_sizes()->push_back(static_cast<int>(free.size()));
     mutable_parameter_block_sizes()->push_back(static_cast<int>(BasePrior::kSize));
   }
@@ -88,8 +91,9 @@ class RunErrors final : public ceres::CostFunction {
     const Eigen::Map<const BasePrior::Vector> z{parameters[has_free ? 1 : 0]};
     const MachineModel here = with(*start_, *free_, x);
     if (!possible(here)) return false;
-    const std::vector<Eigen::VectorXf> w = likelihood_->errors(here);
+    const auto [w, volume] = errors_and_volume(here);
     Eigen::Map<Eigen::VectorXd> out{residuals, num_residuals()};
+    out[volume_row_] = volume_error(volume);
     for (std::size_t run = 0; run < w.size(); ++run) {
       out.segment(first_[run], w[run].size()) =
           w[run].cast<double>() + (*base_)[run].cast<double>() * (z - start_->base);
@@ -100,17 +104,39 @@ class RunErrors final : public ceres::CostFunction {
     if (base_jacobian != nullptr) {
       Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, BasePrior::kSize, Eigen::RowMajor>> J{
           base_jacobian, num_residuals(), BasePrior::kSize};
+      J.row(volume_row_).setZero();
       for (std::size_t run = 0; run < w.size(); ++run) {
         J.middleRows(first_[run], w[run].size()) = (*base_)[run].cast<double>();
       }
     }
-    return !has_free || jacobians[0] == nullptr || differentiate(x, w, jacobians[0]);
+    return !has_free || jacobians[0] == nullptr || differentiate(x, {w, volume}, jacobians[0]);
   }
 
  private:
+  using ErrorsAndVolume = std::pair<std::vector<Eigen::VectorXf>, double>;
+
+  [[nodiscard]] ErrorsAndVolume errors_and_volume(const MachineModel& model) const {
+    ErrorsAndVolume all{std::vector<Eigen::VectorXf>(likelihood_->runs()), 0.0};
+    std::vector<double> volumes(likelihood_->runs());
+    for_each_index(likelihood_->runs(), likelihood_->threads(), [&](std::size_t run) {
+      all.first[run] = likelihood_->errors(run, model, &volumes[run]);
+    });
+    for (const double each : volumes) {
+      all.second += each;
+    }
+    return all;
+  }
+
+  /// Squared: the volume, but for a constant that keeps it positive.
+  [[nodiscard]] double volume_error(double volume) const noexcept {
+    constexpr double kFar = 1e5;
+    return std::sqrt(std::max(kFar + volume - start_volume_, 0.0));
+  }
+
   [[nodiscard]] bool differentiate(const double* x,
-                                   const std::vector<Eigen::VectorXf>& w,
+                                   const ErrorsAndVolume& here,
                                    double* out) const {
+    const std::vector<Eigen::VectorXf>& w = here.first;
     const std::size_t size = free_->size();
     Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> J{
         out, num_residuals(), static_cast<Index>(size)};
@@ -127,12 +153,21 @@ class RunErrors final : public ceres::CostFunction {
       there.push_back(with(*start_, *free_, shifted.data()));
       steps.push_back(step);
     }
+    std::vector<double> volumes(size * w.size());
     for_each_index(size * w.size(), likelihood_->threads(), [&](std::size_t job) {
       const std::size_t run = job / size;
       const std::size_t i = job % size;
       J.col(static_cast<Index>(i)).segment(first_[run], w[run].size()) =
-          (likelihood_->errors(run, there[i]) - w[run]).cast<double>() / steps[i];
+          (likelihood_->errors(run, there[i], &volumes[job]) - w[run]).cast<double>() / steps[i];
     });
+    for (std::size_t i = 0; i < size; ++i) {
+      double volume = 0.0;
+      for (std::size_t run = 0; run < w.size(); ++run) {
+        volume += volumes[run * size + i];
+      }
+      J(volume_row_, static_cast<Index>(i)) =
+          (volume_error(volume) - volume_error(here.second)) / steps[i];
+    }
     return J.allFinite();
   }
 
@@ -141,6 +176,8 @@ class RunErrors final : public ceres::CostFunction {
   const std::vector<FreeParameter>* free_;
   const BaseColumns* base_;
   std::vector<Index> first_;  ///< row of each run
+  Index volume_row_ = 0;
+  double start_volume_ = 0.0;
 };
 
 /// z ~ N(0, 1).
@@ -169,8 +206,9 @@ void look_around(const Likelihood& likelihood,
   fit.errors.resize(likelihood.runs());
   fit.slopes.resize(options.slopes ? likelihood.runs() : 0);
   const Eigen::VectorXd x = coordinates_of(fit.model, fit.free);
+  std::vector<double> volumes(likelihood.runs());
   for_each_index(likelihood.runs(), likelihood.threads(), [&](std::size_t run) {
-    fit.errors[run] = likelihood.errors(run, fit.model);
+    fit.errors[run] = likelihood.errors(run, fit.model, &volumes[run]);
     if (!options.slopes) return;
     Eigen::MatrixXf& J = fit.slopes[run];
     J.resize(fit.errors[run].size(), size);
@@ -196,6 +234,9 @@ void look_around(const Likelihood& likelihood,
     }
   });
   fit.chi2 = fit.model.base.squaredNorm();
+  for (const double each : volumes) {
+    fit.volume += each;
+  }
   for (const Eigen::VectorXf& w : fit.errors) {
     fit.chi2 += w.cast<double>().squaredNorm();
   }

@@ -36,6 +36,7 @@ struct Fit {
   MachineModel model{};
   std::vector<FreeParameter> free{};
   double chi2 = 0.0;                      ///< Σ |w|² + |z|²
+  double volume = 0.0;                    ///< Σ log det S: chi2 + volume is what is least
   Eigen::MatrixXd information{};          ///< of (free parameters, base), prior included
   Eigen::MatrixXd scatter{};              ///< of the gradient, from stretch to stretch of time
   std::vector<Eigen::VectorXf> errors{};  ///< of each run
@@ -67,7 +68,8 @@ struct FitOptions {
 };
 
 /// Levenberg–Marquardt from the given model (Ceres); the rigid body's departures enter linearly
-/// through `base`, columns at a model near by. Derivatives are differences of simulations.
+/// through `base`, columns at a model near by. Where drives move apart from their links the
+/// innovations' volume depends on the parameters too. Derivatives are differences of simulations.
 [[nodiscard]] Fit fit(const Likelihood& likelihood,
                       const BaseColumns& base,
                       const MachineModel& start,

@@ -39,7 +39,12 @@ Eigen::VectorXf Likelihood::whitened(std::size_t run,
                                      JointVector* volume) const {
   const PlantTerms terms = terms_of(model.effects);
   const ArmModel arm = prior_.arm(model.base);
-  const Prediction prediction = predict({arm, terms}, data_->runs[run], data_->period_s, tether);
+  return whitened(predict({arm, terms}, data_->runs[run], data_->period_s, tether), tether, volume);
+}
+
+Eigen::VectorXf Likelihood::whitened(const Prediction& prediction,
+                                     const Tether& tether,
+                                     JointVector* volume) const {
   const std::vector<JointVector>& raw = prediction.innovations;
   const std::size_t first = std::min(kSettling, raw.size());
   Eigen::VectorXf result{static_cast<Eigen::Index>(3 * (raw.size() - first))};
@@ -65,8 +70,19 @@ Prediction Likelihood::prediction(std::size_t run, const MachineModel& model) co
   return predict({prior_.arm(model.base), terms}, data_->runs[run], data_->period_s, tethers_[run]);
 }
 
-Eigen::VectorXf Likelihood::errors(std::size_t run, const MachineModel& model) const {
-  return whitened(run, model, tethers_[run]);
+Eigen::VectorXf Likelihood::errors(std::size_t run,
+                                   const MachineModel& model,
+                                   double* volume) const {
+  JointVector volumes = JointVector::Zero();
+  Eigen::VectorXf w = whitened(run, model, tethers_[run], &volumes);
+  if (volume != nullptr) *volume = volumes.sum();
+  return w;
+}
+
+Eigen::VectorXf Likelihood::errors_as_rigid(std::size_t run, const MachineModel& model) const {
+  Prediction all = prediction(run, model);
+  all.apart.clear();
+  return whitened(all, tethers_[run]);
 }
 
 std::vector<PredictedState> Likelihood::states(std::size_t run, const MachineModel& model) const {
@@ -115,12 +131,6 @@ constexpr std::array kMembers{
     NoiseMember{&NoiseModel::reading, 1e-6, 1e-2},
     NoiseMember{&NoiseModel::time_constant, 8e-3, 7e-2},
 };
-
-bool is_rigid(const PlantTerms& terms) {
-  return std::all_of(
-      terms.transmission.begin(), terms.transmission.end(),
-      [](const Transmission& each) { return each.kind == Transmission::Kind::rigid; });
-}
 
 /// Innovations under one tether turned into those under another. With s the distance of the two
 /// filters' states: s⁺ = F (s + K e − K′ e′), e′ = e + s_q.
@@ -195,7 +205,7 @@ NoiseModel fit_noise(const Likelihood& likelihood,
                      const MachineModel& model,
                      const NoiseModel& start) {
   // Drives that move apart from their links are not in the linear model: they cost simulations.
-  const bool rigid = is_rigid(terms_of(model.effects));
+  const bool rigid = !gives_way(terms_of(model.effects));
   const int sweeps = rigid ? 6 : 2;
   const Refilter refilter{likelihood, model};
   const auto deviance_of = [&](const NoiseModel& noise) {

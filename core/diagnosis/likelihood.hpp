@@ -44,7 +44,14 @@ class Likelihood {
   void set_noise(const NoiseModel& noise);
 
   /// Whitened innovations of a run, axis after axis within a sample.
-  [[nodiscard]] Eigen::VectorXf errors(std::size_t run, const MachineModel& model) const;
+  /// @param volume where given: log det S_k, summed
+  [[nodiscard]] Eigen::VectorXf errors(std::size_t run,
+                                       const MachineModel& model,
+                                       double* volume = nullptr) const;
+
+  /// The same whitened as if no drive moved apart from its link: what compares with a model in
+  /// which none does.
+  [[nodiscard]] Eigen::VectorXf errors_as_rigid(std::size_t run, const MachineModel& model) const;
 
   /// Innovations of a run before they are whitened.
   [[nodiscard]] Prediction prediction(std::size_t run, const MachineModel& model) const;
@@ -61,6 +68,10 @@ class Likelihood {
   [[nodiscard]] JointVector deviance(const MachineModel& model, const NoiseModel& noise) const;
 
  private:
+  [[nodiscard]] Eigen::VectorXf whitened(const Prediction& prediction,
+                                         const Tether& tether,
+                                         JointVector* volume = nullptr) const;
+
   /// −2 log of the volume of each axis goes to `volume` where that is given.
   [[nodiscard]] Eigen::VectorXf whitened(std::size_t run,
                                          const MachineModel& model,

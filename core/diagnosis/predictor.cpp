@@ -58,12 +58,6 @@ bool has_rigid_wall(const PredictorModel& model, const Recording& run) {
                      });
 }
 
-bool gives_way(const PlantTerms& terms) {
-  return std::any_of(
-      terms.transmission.begin(), terms.transmission.end(),
-      [](const Transmission& each) { return each.kind != Transmission::Kind::rigid; });
-}
-
 using LateAxes = std::array<std::optional<LateAxis>, kJoints>;
 
 /// The axes whose readings come late, at the middle posture of the run.
@@ -128,6 +122,12 @@ JointVector correct(Plant& plant,
 }
 
 }  // namespace
+
+bool gives_way(const PlantTerms& terms) {
+  return std::any_of(
+      terms.transmission.begin(), terms.transmission.end(),
+      [](const Transmission& each) { return each.kind != Transmission::Kind::rigid; });
+}
 
 Prediction predict(const PredictorModel& model,
                    const Recording& run,

@@ -39,6 +39,9 @@ struct Prediction {
   std::vector<JointVector> apart{};
 };
 
+/// Whether drives can move apart from their links.
+[[nodiscard]] bool gives_way(const PlantTerms& terms);
+
 /// @param states filled when given
 [[nodiscard]] Prediction predict(const PredictorModel& model,
                                  const Recording& run,

@@ -7,6 +7,7 @@
 
 #include "core/base/error.hpp"
 #include "core/diagnosis/parallel.hpp"
+#include "core/diagnosis/predictor.hpp"
 #include "core/effects/kinds.hpp"
 #include "core/effects/vocabulary.hpp"
 #include "core/model/dynamics.hpp"
@@ -137,11 +138,16 @@ std::vector<Candidate> screen(const Likelihood& likelihood, const Fit& now, cons
       if (!can_join(now.model.effects, step)) return;
       models[s].effects.push_back(step);
     }
+    // A drive that moves apart has innovations of another size: they are compared on one scale.
+    const bool splits = gives_way(terms_of(models.front().effects));
+    const bool splits_now = gives_way(terms_of(now.model.effects));
     for (std::size_t run = 0; run < likelihood.runs(); ++run) {
       const Eigen::VectorXf& w = now.errors[run];
+      const Eigen::VectorXf before = splits_now ? likelihood.errors_as_rigid(run, now.model) : w;
       Eigen::MatrixXf X{w.size(), size};
       for (std::size_t s = 0; s < models.size(); ++s) {
-        X.col(static_cast<Index>(s)) = likelihood.errors(run, models[s]) - w;
+        X.col(static_cast<Index>(s)) = splits ? likelihood.errors_as_rigid(run, models[s]) - before
+                                              : likelihood.errors(run, models[s]) - w;
       }
       if (!X.allFinite()) return;
       cross += (now.slopes[run].transpose() * X).cast<double>();

@@ -175,10 +175,10 @@ class Search {
       model.effects.push_back(candidate.effect);
       Fit trial = fit(*likelihood_, base, model, {.iterations = 5, .slopes = false});
       const bool seen = !hides_in_counts(trial.model.effects.back(), likelihood_->data());
-      if (seen && std::isfinite(trial.chi2)) fits.push_back(std::move(trial));
+      if (seen && std::isfinite(trial.chi2 + trial.volume)) fits.push_back(std::move(trial));
     }
     const auto cost = [](const Fit& each) {
-      return each.chi2 + kParameterCost * static_cast<double>(each.free.size());
+      return each.chi2 + each.volume + kParameterCost * static_cast<double>(each.free.size());
     };
     std::stable_sort(fits.begin(), fits.end(),
                      [&](const Fit& a, const Fit& b) { return cost(a) < cost(b); });
@@ -232,12 +232,13 @@ class Search {
                 const Explanation& before_last,
                 const std::vector<Explanation>& last_rivals) {
     const std::size_t chosen = result.best.fit.model.effects.size();
-    const bool in_haste = stopped() && chosen > 1;
-    for (std::size_t i = 0; in_haste && i < chosen; ++i) {
-      result.effects.push_back({.gain = joined_[i]});
+    if (chosen > 1 && stopped()) {
+      for (std::size_t i = 0; i < chosen; ++i) {
+        result.effects.push_back({.effect = result.best.fit.model.effects[i], .gain = joined_[i]});
+      }
+      return add_deviations(result);
     }
-    const std::vector<Explanation> rests =
-        in_haste ? std::vector<Explanation>{} : prune(result, before_last);
+    const std::vector<Explanation> rests = prune(result, before_last);
     bool as_chosen = chosen == rests.size();
     for (std::size_t i = 0; i < rests.size(); ++i) {
       const bool known = as_chosen && i + 1 == chosen;
@@ -256,6 +257,10 @@ class Search {
       }
       result.effects.push_back(std::move(named));
     }
+    add_deviations(result);
+  }
+
+  void add_deviations(SearchResult& result) {
     likelihood_->set_noise(result.best.noise);
     const Eigen::VectorXd all = result.best.fit.deviations();
     for (std::size_t i = 0; i < result.effects.size(); ++i) {
