@@ -13,7 +13,7 @@ namespace teleop {
 /// @param unit as EffectParameter::unit has it
 [[nodiscard]] std::string quantity_text(double value, double deviation, std::string_view unit);
 
-/// "11.02 to 11.11 mNm": two digits of the width.
+/// "11.016 to 11.105 mNm": two digits of the width.
 [[nodiscard]] std::string interval_text(double low, double high, std::string_view unit);
 
 /// An effect with values, and how sure they are, as EffectKind::words speaks of it.
