@@ -63,51 +63,60 @@ struct Sums {
   JointVector noise = JointVector::Zero();
 };
 
+/// One run under both models, and what noise makes of it to first order.
+Sums leave_alone(const Likelihood& likelihood,
+                 const SearchResult& found,
+                 std::size_t alone,
+                 FreeRun::Trace& trace) {
+  const std::size_t run = trace.run;
+  const double period_s = likelihood.data().period_s;
+  const Recording& recording = likelihood.data().runs[run];
+  const auto errors_of = [&](const Fit& fit) {
+    const MachineModel model = fit.left_out_model(run);
+    const PlantTerms terms = terms_of(model.effects);
+    const ArmModel arm = likelihood.prior().arm(model.base);
+    PredictorModel left{arm, terms};
+    left.free_rows = alone;
+    return predict(left, recording, period_s, likelihood.tether(run)).innovations;
+  };
+  trace.nominal = errors_of(found.nominal.fit);
+  trace.corrected = errors_of(found.best.fit);
+  trace.deviation.assign(recording.rows(), JointVector::Constant(kNone));
+  const std::vector<JointMatrix> mobility = mobilities(likelihood.arm(), recording);
+  TetherCovariance known{likelihood.noise(), period_s};
+  JointVector start = JointVector::Zero();
+  Sums sums;
+  for (std::size_t k = 0; k < recording.rows(); ++k) {
+    if (k / alone % 2 == 0) {
+      known.update();
+      known.pass(mobility[k]);
+      if ((k + 1) / alone % 2 == 1) known.forget_disturbance();
+      start = recording.q[k];
+      trace.nominal[k].setConstant(kNone);
+      trace.corrected[k].setConstant(kNone);
+      continue;
+    }
+    const JointVector variance = known.of_innovation().diagonal();
+    known.pass(mobility[k], weight_stiffness(likelihood.arm(), recording.q[k]));
+    trace.deviation[k] = variance.cwiseSqrt();
+    sums.noise += variance;
+    sums.motion += (recording.q[k] - start).cwiseAbs2();
+    sums.nominal += trace.nominal[k].cwiseAbs2();
+    sums.corrected += trace.corrected[k].cwiseAbs2();
+  }
+  return sums;
+}
+
 }  // namespace
 
 FreeRun free_run(const Likelihood& likelihood, const SearchResult& found) {
-  const DiagnosisCase& data = likelihood.data();
-  const auto alone = static_cast<std::size_t>(std::lround(kAlone_s / data.period_s));
+  const auto alone = static_cast<std::size_t>(std::lround(kAlone_s / likelihood.data().period_s));
   FreeRun result{.motion_s = kAlone_s};
   result.traces.resize(likelihood.runs());
   std::vector<Sums> sums(likelihood.runs());
   for_each_index(likelihood.runs(), likelihood.threads(), [&](std::size_t run) {
-    const Recording& recording = data.runs[run];
-    const auto errors_of = [&](const Fit& fit) {
-      const MachineModel model = fit.left_out_model(run);
-      const PlantTerms terms = terms_of(model.effects);
-      const ArmModel arm = likelihood.prior().arm(model.base);
-      PredictorModel left{arm, terms};
-      left.free_rows = alone;
-      return predict(left, recording, data.period_s, likelihood.tether(run)).innovations;
-    };
-    FreeRun::Trace& trace = result.traces[run];
-    trace.run = run;
-    trace.nominal = errors_of(found.nominal.fit);
-    trace.corrected = errors_of(found.best.fit);
-    trace.deviation.assign(recording.rows(), JointVector::Constant(kNone));
-    const std::vector<JointMatrix> mobility = mobilities(likelihood.arm(), recording);
-    const NoiseModel& noise = likelihood.noise();
-    TetherCovariance known{noise, data.period_s};
-    JointVector start = JointVector::Zero();
-    for (std::size_t k = 0; k < recording.rows(); ++k) {
-      if (k / alone % 2 == 0) {
-        known.update();
-        known.pass(mobility[k]);
-        if ((k + 1) / alone % 2 == 1) known.forget_disturbance();
-        start = recording.q[k];
-        trace.nominal[k].setConstant(kNone);
-        trace.corrected[k].setConstant(kNone);
-        continue;
-      }
-      const JointVector variance = known.of_innovation().diagonal();
-      known.pass(mobility[k], weight_stiffness(likelihood.arm(), recording.q[k]));
-      trace.deviation[k] = variance.cwiseSqrt();
-      sums[run].noise += variance;
-      sums[run].motion += (recording.q[k] - start).cwiseAbs2();
-      sums[run].nominal += trace.nominal[k].cwiseAbs2();
-      sums[run].corrected += trace.corrected[k].cwiseAbs2();
-    }
+    result.traces[run].run = run;
+    sums[run] = leave_alone(likelihood, found, alone, result.traces[run]);
   });
   Sums total;
   for (const Sums& each : sums) {
