@@ -32,7 +32,7 @@ std::string percent(const Spread& spread) {
 
 std::string ratio(const Spread& spread) {
   if (spread.n == 0) return "–";
-  return fmt::format("{:.3f} / {:.3f} (n = {})", spread.median, spread.p90, spread.n);
+  return fmt::format("{:.4g} / {:.4g} (n = {})", spread.median, spread.p90, spread.n);
 }
 
 std::string calibration(const Calibration& calibration) {
