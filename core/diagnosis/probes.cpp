@@ -103,6 +103,14 @@ constexpr std::array kProbes{
           [](const ProbeRow& r) {
             return r.u * r.q;
           }},
+    Probe{"command × size of speed",
+          [](const ProbeRow& r) {
+            return r.u * std::abs(r.v);
+          }},
+    Probe{"command × size of its rate",
+          [](const ProbeRow& r) {
+            return r.u * std::abs(r.u_rate);
+          }},
     Probe{"rate of command",
           [](const ProbeRow& r) {
             return r.u_rate;

@@ -45,12 +45,13 @@ void plug(PlantTerms& terms, std::size_t axis, std::span<const double> values) {
 std::vector<EffectTrial> trials(const MachineUse& use, std::size_t axis) {
   constexpr int kPlaces = 8;
   constexpr double kStiffness = 0.2;  // N m/rad
+  constexpr double kDamping = 1e-3;   // N m s/rad; a fit in its logarithm does not leave zero
   const AxisUse& own = use.at(axis);
   std::vector<EffectTrial> all;
   for (int i = 1; i < kPlaces; ++i) {
     const double place = own.low + (own.high - own.low) * static_cast<double>(i) / kPlaces;
     for (const double side : {1.0, -1.0}) {
-      all.push_back({{place, kStiffness, 0.0, side}});
+      all.push_back({{place, kStiffness, kDamping, side}});
     }
   }
   return all;
