@@ -18,8 +18,7 @@ namespace {
 
 using Eigen::Index;
 
-constexpr double kBaseStep = 2.0;  // standard deviations of the prior
-constexpr double kLogStep = 0.01;
+constexpr double kBaseStep = 2.0;    // standard deviations of the prior
 constexpr Index kStretch = 3 * 100;  // three axes a sample: a tenth of a second
 
 /// Steps of derivatives by coordinates that are not searched by their logarithm.
@@ -35,6 +34,10 @@ double step_for(std::string_view unit) {
   }
   return 1e-3;
 }
+
+/// Of coordinates that are. Impacts make the errors a rough function of a play's width: its step
+/// has to reach over that.
+double log_step(std::string_view unit) { return unit == "rad" ? 0.04 : 0.01; }
 
 double searched(const FreeParameter& parameter, double value) {
   return parameter.logarithmic ? std::log(std::max(value, 1e-12)) : value;
@@ -270,7 +273,7 @@ std::vector<FreeParameter> free_parameters(const std::vector<EffectSpec>& effect
       free.push_back({.effect = i,
                       .name = name,
                       .logarithmic = logarithmic,
-                      .step = logarithmic ? kLogStep : step_for(parameter.unit),
+                      .step = logarithmic ? log_step(parameter.unit) : step_for(parameter.unit),
                       .range = parameter.range});
     }
   }

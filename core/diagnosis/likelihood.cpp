@@ -206,7 +206,7 @@ NoiseModel fit_noise(const Likelihood& likelihood,
                      const NoiseModel& start) {
   // Drives that move apart from their links are not in the linear model: they cost simulations.
   const bool rigid = !gives_way(terms_of(model.effects));
-  const int sweeps = rigid ? 6 : 2;
+  const int sweeps = rigid ? 6 : 4;
   const Refilter refilter{likelihood, model};
   const auto deviance_of = [&](const NoiseModel& noise) {
     return rigid ? refilter.deviance(noise) : likelihood.deviance(model, noise);

@@ -60,6 +60,29 @@ bool hides_in_counts(const EffectSpec& effect, const DiagnosisCase& data) {
          0.5 * data.resolution[static_cast<Eigen::Index>(*effect.axis)];
 }
 
+/// Whether one of the newest effect's sizes departs from none by more than chance.
+bool stands_out(const Fit& fit) {
+  constexpr double kErrors = 3.0;
+  const std::size_t newest = fit.model.effects.size() - 1;
+  const EffectSpec& effect = fit.model.effects[newest];
+  const Eigen::VectorXd deviations = fit.deviations();
+  bool has_size = false;
+  for (std::size_t i = 0; i < fit.free.size(); ++i) {
+    if (fit.free[i].effect != newest) continue;
+    const auto& all = find_effect(effect.kind).parameters;
+    const auto own = std::find_if(all.begin(), all.end(), [&](const EffectParameter& each) {
+      return each.name == fit.free[i].name;
+    });
+    if (own == all.end() || !own->neutral || std::isinf(*own->neutral)) continue;
+    has_size = true;
+    const double value = effect.parameters.at(fit.free[i].name);
+    const double unit = fit.free[i].logarithmic ? std::abs(value) : 1.0;
+    const double deviation = unit * deviations[static_cast<Eigen::Index>(i)];
+    if (std::abs(value - *own->neutral) > kErrors * deviation) return true;
+  }
+  return !has_size;
+}
+
 /// The best trial of each place, best first.
 std::vector<Candidate> promising(const std::vector<Candidate>& screened,
                                  const std::vector<EffectSpec>& present) {
@@ -99,7 +122,7 @@ class Search {
       std::vector<Explanation> next = extended(best);
       // What does not help to predict the other runs is not there.
       std::erase_if(next, [&](const Explanation& each) {
-        return !(each.left_out < best.left_out - options_->least_gain) ||
+        return !stands_out(each.fit) || !(each.left_out < best.left_out - options_->least_gain) ||
                each.score() > best.score() - options_->least_gain;
       });
       if (next.empty()) break;
