@@ -18,8 +18,8 @@ namespace {
 
 using Eigen::Index;
 
-constexpr double kBaseStep = 2.0;    // standard deviations of the prior
-constexpr Index kStretch = 3 * 100;  // three axes a sample: a tenth of a second
+constexpr double kBaseStep = 2.0;  // standard deviations of the prior
+constexpr Index kStretch = 300;    // of three axes: a tenth of a second
 
 /// Steps of derivatives by coordinates that are not searched by their logarithm.
 double step_for(std::string_view unit) {

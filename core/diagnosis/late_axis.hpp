@@ -28,7 +28,10 @@ class LateAxis {
     double memory = 0.0;    ///< φ, a sample
   };
 
+  LateAxis() = default;  ///< not late
   explicit LateAxis(const Config& config);
+
+  [[nodiscard]] bool is_late() const noexcept { return !underway_.empty(); }
 
   /// To be added to the reading that the simulation gives, rad.
   [[nodiscard]] double pending() const noexcept { return then_.q; }
@@ -40,9 +43,9 @@ class LateAxis {
  private:
   [[nodiscard]] State carried(const State& state, double time_s, double memory) const noexcept;
 
-  Config config_;
-  std::size_t pieces_;
-  std::vector<State> underway_;  ///< a ring: added to the axis, not yet read
+  Config config_{};
+  std::size_t pieces_ = 0;
+  std::vector<State> underway_{};  ///< a ring: added to the axis, not yet read
   std::size_t next_ = 0;
   State then_{};  ///< by which the axis, as it is read now, is better known than simulated
 };

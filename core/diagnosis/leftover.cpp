@@ -88,7 +88,7 @@ void add_irregularities(const Likelihood& likelihood,
 /// Products of columns and errors, a row each tenth of a second.
 std::vector<Eigen::MatrixXd> pulls_by_stretch(const std::vector<Eigen::MatrixXf>& columns,
                                               const std::vector<Eigen::VectorXf>& errors) {
-  constexpr Index kTenth = 3 * 100;  // three axes a sample
+  constexpr Index kTenth = 300;  // of three axes, a sample each
   std::vector<Eigen::MatrixXd> pulls(errors.size());
   for (std::size_t run = 0; run < errors.size(); ++run) {
     const Index count = (errors[run].size() + kTenth - 1) / kTenth;
@@ -112,66 +112,107 @@ Index rows_of(const std::vector<Eigen::MatrixXd>& pulls) {
   return rows;
 }
 
+/// The probes of one model: what a torque that follows a quantity would do to its errors.
+class Probing {
+ public:
+  Probing(const Likelihood& likelihood, const Fit& now)
+      : likelihood_{&likelihood},
+        now_{&now},
+        states_(likelihood.runs()),
+        mobility_(likelihood.runs()),
+        known_{now.information},
+        known_pulls_{pulls_by_stretch(now.slopes, now.errors)} {
+    for_each_index(likelihood.runs(), likelihood.threads(), [&](std::size_t run) {
+      states_[run] = likelihood.states(run, now.model);
+      mobility_[run] = mobilities(likelihood.arm(), likelihood.data().runs[run]);
+    });
+    scales_ = probe_scales(likelihood.data(), states_);
+  }
+
+  [[nodiscard]] Index stretches() const { return rows_of(known_pulls_); }
+
+  struct Result {
+    Leftover leftover{};
+    Eigen::VectorXd pulls{};  ///< of each stretch; none where the parameters leave nothing of it
+    double weight = 1.0;
+  };
+
+  [[nodiscard]] Result of(std::size_t quantity, Index axis) const {
+    constexpr double kNew = 1e-3;  // share of a probe that the parameters must leave
+    Eigen::VectorXd cross = Eigen::VectorXd::Zero(now_->information.rows());
+    double before = 0.0;
+    double power = 0.0;
+    double rows = 0.0;
+    std::vector<Eigen::MatrixXf> columns(states_.size());
+    for (std::size_t run = 0; run < columns.size(); ++run) {
+      const std::vector<JointVector> torque = torque_of(quantity, axis, run);
+      for (const JointVector& each : torque) {
+        power += each.squaredNorm();
+      }
+      rows += static_cast<double>(torque.size());
+      columns[run] = torque_response(likelihood_->tether(run), mobility_[run],
+                                     likelihood_->data().period_s, torque, Likelihood::kSettling);
+      cross += (now_->slopes[run].transpose() * columns[run]).cast<double>();
+      before += static_cast<double>(columns[run].squaredNorm());
+    }
+    const Eigen::VectorXd explained = known_.solve(cross);
+    Result result{
+        .leftover = {.axis = static_cast<std::size_t>(axis), .quantity = probe_name(quantity)}};
+    const double own = before - cross.dot(explained);
+    if (own < kNew * before) return result;
+    result.weight = own;
+    result.pulls.resize(stretches());
+    const std::vector<Eigen::MatrixXd> own_pulls = pulls_by_stretch(columns, now_->errors);
+    Index first = 0;
+    for (std::size_t run = 0; run < own_pulls.size(); ++run) {
+      result.pulls.segment(first, own_pulls[run].rows()) =
+          own_pulls[run].col(0) - known_pulls_[run] * explained;
+      first += own_pulls[run].rows();
+    }
+    const double pull = result.pulls.sum();
+    result.leftover.gain = pull * pull / own;
+    result.leftover.amplitude = std::abs(pull / own) * std::sqrt(power / rows);
+    return result;
+  }
+
+ private:
+  [[nodiscard]] std::vector<JointVector> torque_of(std::size_t quantity,
+                                                   Index axis,
+                                                   std::size_t run) const {
+    const Recording& recording = likelihood_->data().runs[run];
+    std::vector<JointVector> torque(recording.rows(), JointVector::Zero());
+    for (std::size_t k = 0; k < torque.size(); ++k) {
+      torque[k][axis] =
+          probe_torque(quantity, probe_row(recording, states_[run], k, axis, scales_));
+    }
+    return torque;
+  }
+
+  const Likelihood* likelihood_;
+  const Fit* now_;
+  std::vector<States> states_;
+  std::vector<std::vector<JointMatrix>> mobility_;
+  Eigen::LDLT<Eigen::MatrixXd> known_;
+  std::vector<Eigen::MatrixXd> known_pulls_;
+  ProbeScales scales_{};
+};
+
 }  // namespace
 
 Leftovers leftovers(const Likelihood& likelihood, const Fit& now) {
-  const DiagnosisCase& data = likelihood.data();
-  const std::size_t runs = likelihood.runs();
-  std::vector<States> states(runs);
-  std::vector<std::vector<JointMatrix>> mobility(runs);
-  for_each_index(runs, likelihood.threads(), [&](std::size_t run) {
-    states[run] = likelihood.states(run, now.model);
-    mobility[run] = mobilities(likelihood.arm(), data.runs[run]);
-  });
-  const ProbeScales scales = probe_scales(data, states);
-  const Eigen::LDLT<Eigen::MatrixXd> known{now.information};
-  const std::vector<Eigen::MatrixXd> known_pulls = pulls_by_stretch(now.slopes, now.errors);
-  const std::size_t quantities = probe_count();
+  const Probing probing{likelihood, now};
   Leftovers found;
-  found.all.resize(quantities * data.axes());
-  Pulls pulls{.by_stretch =
-                  Eigen::MatrixXd::Zero(rows_of(known_pulls), static_cast<Index>(found.all.size())),
-              .weight = Eigen::VectorXd::Ones(static_cast<Index>(found.all.size()))};
+  found.all.resize(probe_count() * likelihood.data().axes());
+  const auto count = static_cast<Index>(found.all.size());
+  Pulls pulls{.by_stretch = Eigen::MatrixXd::Zero(probing.stretches(), count),
+              .weight = Eigen::VectorXd::Ones(count)};
   for_each_index(found.all.size(), likelihood.threads(), [&](std::size_t job) {
-    const std::size_t quantity = job % quantities;
-    const auto axis = static_cast<Index>(job / quantities);
-    Eigen::VectorXd cross = Eigen::VectorXd::Zero(now.information.rows());
-    double own = 0.0;
-    double power = 0.0;
-    double rows = 0.0;
-    std::vector<Eigen::MatrixXf> columns(runs);
-    for (std::size_t run = 0; run < runs; ++run) {
-      std::vector<JointVector> torque(data.runs[run].rows(), JointVector::Zero());
-      for (std::size_t k = 0; k < torque.size(); ++k) {
-        torque[k][axis] =
-            probe_torque(quantity, probe_row(data.runs[run], states[run], k, axis, scales));
-        power += torque[k][axis] * torque[k][axis];
-        rows += 1.0;
-      }
-      columns[run] = torque_response(likelihood.tether(run), mobility[run], data.period_s, torque,
-                                     Likelihood::kSettling);
-      cross += (now.slopes[run].transpose() * columns[run]).cast<double>();
-      own += static_cast<double>(columns[run].squaredNorm());
-    }
-    const double before = own;
-    const Eigen::VectorXd explained = known.solve(cross);
-    own -= cross.dot(explained);
-    constexpr double kNew = 1e-3;  // share of a probe that the parameters must leave
-    Leftover& result = found.all[job];
-    result.axis = static_cast<std::size_t>(axis);
-    result.quantity = probe_name(quantity);
-    if (own < kNew * before) return;
-    const std::vector<Eigen::MatrixXd> own_pulls = pulls_by_stretch(columns, now.errors);
-    Index first = 0;
-    for (std::size_t run = 0; run < runs; ++run) {
-      pulls.by_stretch.col(static_cast<Index>(job)).segment(first, own_pulls[run].rows()) =
-          own_pulls[run].col(0) - known_pulls[run] * explained;
-      first += own_pulls[run].rows();
-    }
-    pulls.weight[static_cast<Index>(job)] = own;
-    const double pull = pulls.by_stretch.col(static_cast<Index>(job)).sum();
-    result.gain = pull * pull / own;
-    result.amplitude = std::abs(pull / own) * std::sqrt(power / rows);
+    const auto column = static_cast<Index>(job);
+    Probing::Result result =
+        probing.of(job % probe_count(), static_cast<Index>(job / probe_count()));
+    pulls.weight[column] = result.weight;
+    if (result.pulls.size() > 0) pulls.by_stretch.col(column) = result.pulls;
+    found.all[job] = std::move(result.leftover);
   });
   const auto by_gain = [](const Leftover& a, const Leftover& b) {
     return a.gain > b.gain;

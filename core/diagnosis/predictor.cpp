@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <optional>
 
 #include <Eigen/LU>
 
@@ -58,7 +57,7 @@ bool has_rigid_wall(const PredictorModel& model, const Recording& run) {
                      });
 }
 
-using LateAxes = std::array<std::optional<LateAxis>, kJoints>;
+using LateAxes = std::array<LateAxis, kJoints>;
 
 /// The axes whose readings come late, at the middle posture of the run.
 LateAxes late_axes(const PredictorModel& model,
@@ -70,20 +69,16 @@ LateAxes late_axes(const PredictorModel& model,
   for (std::size_t i = 0; i < kJoints; ++i) {
     const auto axis = static_cast<Eigen::Index>(i);
     if (model.terms.sensing[i].delay <= 0.0) continue;
-    late[i].emplace(LateAxis::Config{.delay_s = model.terms.sensing[i].delay,
-                                     .period_s = period_s,
-                                     .mobility = W(axis, axis),
-                                     .memory = tether.memory()[axis]});
+    late.at(i) = LateAxis{{.delay_s = model.terms.sensing[i].delay,
+                           .period_s = period_s,
+                           .mobility = W(axis, axis),
+                           .memory = tether.memory()[axis]}};
   }
   return late;
 }
 
 JointVector pending(const LateAxes& late) {
-  JointVector sum = JointVector::Zero();
-  for (std::size_t i = 0; i < kJoints; ++i) {
-    if (late[i]) sum[static_cast<Eigen::Index>(i)] = late[i]->pending();
-  }
-  return sum;
+  return {late[0].pending(), late[1].pending(), late[2].pending()};
 }
 
 /// Moves the plant towards the reading; returns what the disturbances become more, N m.
@@ -103,10 +98,10 @@ JointVector correct(Plant& plant,
       shift.m[axis] = drives[i].m * e[axis];
       shift.md[axis] = drives[i].md * e[axis];
       d[axis] = drives[i].d * e[axis];
-    } else if (late[i]) {
-      const LateAxis::State now = late[i]->take({.q = step.position(axis, axis) * e[axis],
-                                                 .v = step.velocity(axis, axis) * e[axis],
-                                                 .d = step.disturbance(axis, axis) * e[axis]});
+    } else if (late[i].is_late()) {
+      const LateAxis::State now = late[i].take({.q = step.position(axis, axis) * e[axis],
+                                                .v = step.velocity(axis, axis) * e[axis],
+                                                .d = step.disturbance(axis, axis) * e[axis]});
       shift.q[axis] = now.q;
       shift.qd[axis] = now.v;
       d[axis] = now.d;

@@ -4,6 +4,7 @@
 
 #include "core/diagnosis/exact_reading.hpp"
 #include "core/diagnosis/parallel.hpp"
+#include "core/diagnosis/predictor.hpp"
 #include "core/effects/vocabulary.hpp"
 #include "core/math/random.hpp"
 #include "core/model/dynamics.hpp"
@@ -59,10 +60,11 @@ class Shaking {
 
 Recording replicate_run(const Recording& run,
                         const DiagnosisCase& data,
-                        const ArmModel& arm,
-                        const PlantTerms& terms,
+                        const PredictorModel& model,
                         Shaking shaking,
                         Random random) {
+  const ArmModel& arm = model.arm;
+  const PlantTerms& terms = model.terms;
   constexpr double kRate = 15.0;   // rad/s, of the law that keeps the arm near
   constexpr double kSmooth = 0.1;  // of the speed's filter, a sample
   const Duration sample = true_period(data.period_s, terms);
@@ -101,7 +103,8 @@ DiagnosisCase replicate(const Likelihood& likelihood,
   for_each_index(made.runs.size(), likelihood.threads(), [&](std::size_t run) {
     Random random{seed + 1000 * run};
     const Shaking shaking{noise, made.resolution, made.period_s, random};
-    made.runs[run] = replicate_run(likelihood.data().runs[run], made, arm, terms, shaking, random);
+    made.runs[run] =
+        replicate_run(likelihood.data().runs[run], made, {arm, terms}, shaking, random);
   });
   return made;
 }
