@@ -182,8 +182,9 @@ std::string audit_list(const Audit& audit) {
 std::string next_part(const ReportedDiagnosis& reported) {
   const NextExperiment& next = reported.diagnosis.next;
   std::string text = next.text;
-  if (!text.empty())
+  if (!text.empty()) {
     text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
+  }
   std::string out = fmt::format("<p class=\"lead\">{}.</p>\n", sentence_html(text));
   if (!reported.next_file.empty()) {
     out += fmt::format("<pre class=\"command\">teleop run {}</pre>\n",

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -73,12 +74,14 @@ bool stands_out(const Fit& fit) {
     const auto own = std::find_if(all.begin(), all.end(), [&](const EffectParameter& each) {
       return each.name == fit.free[i].name;
     });
-    if (own == all.end() || !own->neutral || std::isinf(*own->neutral)) continue;
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    const double neutral = own == all.end() ? kNone : own->neutral.value_or(kNone);
+    if (std::isinf(neutral)) continue;
     has_size = true;
     const double value = effect.parameters.at(fit.free[i].name);
     const double unit = fit.free[i].logarithmic ? std::abs(value) : 1.0;
     const double deviation = unit * deviations[static_cast<Eigen::Index>(i)];
-    if (std::abs(value - *own->neutral) > kErrors * deviation) return true;
+    if (std::abs(value - neutral) > kErrors * deviation) return true;
   }
   return !has_size;
 }

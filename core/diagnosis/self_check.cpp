@@ -10,7 +10,7 @@
 namespace teleop {
 namespace {
 
-constexpr int kReplicas = 2;
+constexpr std::uint64_t kReplicas = 2;
 constexpr double kStandsOut = 3.0;  // standard errors
 
 }  // namespace
@@ -19,13 +19,13 @@ SelfCheck self_check(const Likelihood& likelihood, const Explanation& explanatio
   const Fit& known = explanation.fit;
   const Eigen::VectorXd truth = coordinates_of(known.model, known.free);
   SelfCheck check{.bias = Eigen::VectorXd::Zero(truth.size())};
-  for (int i = 0; i < kReplicas; ++i) {
-    const auto seed = static_cast<std::uint64_t>(i + 1);
+  for (std::uint64_t seed = 1; seed <= kReplicas; ++seed) {
     const DiagnosisCase made = replicate(likelihood, known.model, explanation.noise, seed);
     Likelihood other{made, likelihood.arm(), likelihood.threads()};
     other.set_noise(explanation.noise);
     const Fit again = fit(other, base_columns(other, known.model), known.model, {.iterations = 6});
-    check.bias += (coordinates_of(again.model, again.free) - truth) / kReplicas;
+    check.bias +=
+        (coordinates_of(again.model, again.free) - truth) / static_cast<double>(kReplicas);
     const Leftovers left = leftovers(other, again);
     check.leftover = std::max(check.leftover, left.all.front().gain);
   }
@@ -37,7 +37,8 @@ void widen(SearchResult& found, const SelfCheck& check) {
   for (NamedEffect& named : found.effects) {
     for (double& deviation : named.deviations) {
       const double bias = check.bias[next++];
-      if (std::abs(bias) < kStandsOut * deviation / std::sqrt(kReplicas)) continue;
+      if (std::abs(bias) < kStandsOut * deviation / std::sqrt(static_cast<double>(kReplicas)))
+        continue;
       deviation = std::hypot(deviation, bias);
     }
   }
