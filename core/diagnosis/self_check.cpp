@@ -37,8 +37,8 @@ void widen(SearchResult& found, const SelfCheck& check) {
   for (NamedEffect& named : found.effects) {
     for (double& deviation : named.deviations) {
       const double bias = check.bias[next++];
-      if (std::abs(bias) < kStandsOut * deviation / std::sqrt(static_cast<double>(kReplicas)))
-        continue;
+      const double known = deviation / std::sqrt(static_cast<double>(kReplicas));
+      if (std::abs(bias) < kStandsOut * known) continue;
       deviation = std::hypot(deviation, bias);
     }
   }

@@ -117,12 +117,17 @@ std::string path_of(const SvgPlot::Line& line, const Scale& x, const Scale& y) {
 }
 
 /// A stretch of a band between breaks.
+struct Patch {
+  std::size_t first = 0;
+  std::size_t last = 0;  ///< one past it
+};
+
 void add_patch(std::string& out,
                const SvgPlot::Band& band,
-               std::size_t first,
-               std::size_t last,
+               const Patch& patch,
                const Scale& x,
                const Scale& y) {
+  const auto [first, last] = patch;
   if (last <= first + 1) return;
   std::string path;
   auto to = std::back_inserter(path);
@@ -146,7 +151,7 @@ void add_band(std::string& out, const SvgPlot::Band& band, const Scale& x, const
     const bool ends =
         i == band.x.size() || !std::isfinite(band.low[i]) || !std::isfinite(band.high[i]);
     if (!ends) continue;
-    add_patch(out, band, first, i, x, y);
+    add_patch(out, band, {first, i}, x, y);
     first = i + 1;
   }
 }
@@ -255,16 +260,16 @@ std::string svg_of(const SvgMap& map) {
     if (!cell.present) continue;
     constexpr double kPale = 0.45;
     const double share = std::min(std::abs(cell.value) / map.scale, 1.0);
+    const std::size_t row = i / map.columns;
+    const double left = x.from + width * static_cast<double>(i % map.columns);
+    const double top = y.from - height * static_cast<double>(row + 1);
     fmt::format_to(
         std::back_inserter(out),
         "<rect class=\"cell\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>"
         "<rect style=\"fill:var(--{})\" fill-opacity=\"{:.2f}\" x=\"{:.1f}\" y=\"{:.1f}\" "
         "width=\"{:.1f}\" height=\"{:.1f}\"/>",
-        x.from + width * static_cast<double>(i % map.columns),
-        y.from - height * static_cast<double>(i / map.columns + 1), width, height,
-        cell.value > 0.0 ? "plus" : "minus", share * (cell.sure ? 1.0 : kPale),
-        x.from + width * static_cast<double>(i % map.columns),
-        y.from - height * static_cast<double>(i / map.columns + 1), width, height);
+        left, top, width, height, cell.value > 0.0 ? "plus" : "minus",
+        share * (cell.sure ? 1.0 : kPale), left, top, width, height);
   }
   return out + "</svg>";
 }
