@@ -247,11 +247,12 @@ void BlindStore::take(const fs::path& folder) {
 void BlindStore::sort() {
   std::string results;
   for (const auto& [index, line] : lines_) {
-    results += line + "\n";
+    results += line;
+    results += '\n';
   }
   std::string seals;
   for (const auto& [name, seal] : seals_) {
-    seals += name + " " + seal + "\n";
+    seals += fmt::format("{} {}\n", name, seal);
   }
   write_text(folder_ / "cases.jsonl", results);
   write_text(folder_ / "seals.txt", seals);
