@@ -176,8 +176,9 @@ std::vector<Regressor> actuation_regressors() {
                          [&](std::size_t k) { return other ? run.command[k][from] : 0.0; })};
        },
        .parameters = [](const Estimate& fit, const Place& /*place*/) -> Parameters {
-         if (fit.coefficients[0] == 0.0 || !is_near(fit.coefficients[0], 0.0, 0.5))
+         if (fit.coefficients[0] == 0.0 || !is_near(fit.coefficients[0], 0.0, 0.5)) {
            return std::nullopt;
+         }
          return {
              {{"fraction", fit.coefficients[0], fit.deviations[0]}, {"from_axis", fit.shape, 0.0}}};
        }},

@@ -156,8 +156,9 @@ Json regress(const Design& design, const DiagnosisCase& data, Counting counting)
     const auto parameters = effect.regressor->parameters(
         effect.estimate, {design.arm(), effect.axis, effect.estimate.shape});
     // On all rows, and between the points of the grid, it may have become impossible.
-    if (parameters)
+    if (parameters) {
       effects.push_back(effect_json(effect, *parameters, rivals_of(design, choice, i)));
+    }
   }
   const Leftover leftover = leftover_of(design, choice);
   const bool left = leftover.gain > kLeftover;
