@@ -50,13 +50,12 @@ double held_out_over_true(const concealed::ConcealedCase& drawn, const nlohmann:
     found.effects = effects_of(answer);
     const JointVector ours = innovations(found, judged, true, kSteps);
     const double ratio = ours.cwiseQuotient(truth).maxCoeff();
-    if (ours.allFinite()) return std::min(ratio, kWorst);
+    return ours.allFinite() ? std::min(ratio, kWorst) : kWorst;
   } catch (const ConfigError&) {
-    // A parameter is missing: such a model cannot predict anything.
+    return kWorst;  // a parameter is missing: such a model cannot predict anything
   } catch (const nlohmann::json::exception&) {
-    // Nor can an answer of another shape.
+    return kWorst;  // nor can an answer of another shape
   }
-  return kWorst;
 }
 
 }  // namespace teleop
